@@ -1,0 +1,32 @@
+#pragma once
+/// The nine-dot landmark: eight equal dots P1..P8 on a circle around P9.
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace ninedot {
+
+inline constexpr std::size_t kRingDotCount = 8;
+inline constexpr std::size_t kDotCount = 9;
+inline constexpr std::size_t kCentreDot = 8;  ///< index of P9; indices 0..7 are P1..P8
+
+/// Lengths of one landmark, all > 0. Defaults: the sheet of 210 x 210 mm that `ninedot pattern` prints.
+struct LandmarkGeometry {
+  double ring_radius_m = 0.080;
+  double dot_radius_m = 0.0127;
+  double centre_radius_m = 0.0254;
+
+  double radius_m(std::size_t dot) const noexcept { return dot == kCentreDot ? centre_radius_m : dot_radius_m; }
+
+  /// Middle of a dot in the sheet's plane: (X0, Z0) [m], Y0 = 0.
+  /// Pk = R (sin a, -cos a) with a = 45 deg (k - 1): P1 lowest, clockwise as the viewer sees it (X0 points to his left).
+  Eigen::Vector2d centre_m(std::size_t dot) const noexcept {
+    if (dot == kCentreDot) return Eigen::Vector2d::Zero();
+    const double a_rad = static_cast<double>(dot) * std::numbers::pi / 4;
+    return ring_radius_m * Eigen::Vector2d(std::sin(a_rad), -std::cos(a_rad));
+  }
+};
+
+}  // namespace ninedot
