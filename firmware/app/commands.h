@@ -1,0 +1,16 @@
+#pragma once
+/// The sub-commands of `ninedot`, one translation unit each. A command reports failure by throwing StartupError.
+namespace CLI {
+class App;
+}
+
+namespace ninedot {
+
+void add_replay_command(CLI::App& app);
+void add_record_command(CLI::App& app);
+void add_pattern_command(CLI::App& app);
+void add_check_command(CLI::App& app);
+void add_registers_command(CLI::App& app);
+void add_status_command(CLI::App& app);
+
+}  // namespace ninedot
