@@ -53,13 +53,15 @@ BlobFinder::BlobFinder(int width_px, int height_px)
   EXPECTS(width_px < 32768 && height_px < 32768);
 }
 
-void BlobFinder::find_blobs(const ImageView& luma, BlobList& blobs) noexcept {
+void BlobFinder::find_blobs(const ImageView& luma, Levels wanted, BlobList& blobs) noexcept {
+  EXPECTS(wanted.first >= 0 && wanted.first <= wanted.last && wanted.last < kLevels);
   blobs.clear();
-  const double noise_lsb = estimate_noise_lsb(luma);
-  for (int i = 0; i < kLevels; ++i) halve(i == 0 ? luma : levels_[i - 1].view(), levels_[i]);
-  for (int level = kLevels - 1; level >= 0; --level) {
+  noise_lsb_ = estimate_noise_lsb(luma);
+  for (int i = 0; i <= wanted.last; ++i) halve(i == 0 ? luma : levels_[i - 1].view(), levels_[i]);
+  for (int level = wanted.last; level >= wanted.first; --level) {
     const ImageView picture = level == 0 ? luma : levels_[level - 1].view();
-    const double level_noise_lsb = noise_lsb / (1 << level);
+    if (levels_[level].width_px() < 2 || levels_[level].height_px() < 2) continue;
+    const double level_noise_lsb = noise_lsb_ / (1 << level);
     const int min_contrast = std::max(kMinContrast_lsb, static_cast<int>(kContrastPerNoise * level_noise_lsb));
     find_runs(picture, threshold_.compute(levels_[level].view(), min_contrast));
     label_components();

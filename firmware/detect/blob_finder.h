@@ -25,15 +25,25 @@ using BlobList = InlineVector<Blob, kMaxBlobs>;
 /// Memory: the constructor's. Threads: one caller.
 class BlobFinder {
  public:
+  static constexpr int kLevels = 4;
+
   /// \param width_px, height_px  of the largest picture
   BlobFinder(int width_px, int height_px);
 
+  /// Levels of the pyramid to look at: level i finds spots of about 2 to 20 pixels of 1/2^i of the size.
+  struct Levels {
+    int first = 0;
+    int last = kLevels - 1;
+  };
+
   /// \param luma  at most the constructed size (contract)
   /// \param blobs  filled; when there are more than kMaxBlobs, the smallest pictures' (largest blobs') come first
-  void find_blobs(const ImageView& luma, BlobList& blobs) noexcept;
+  void find_blobs(const ImageView& luma, Levels levels, BlobList& blobs) noexcept;
+
+  /// Noise of the picture last searched [grey levels, 1-sigma].
+  double noise_lsb() const noexcept { return noise_lsb_; }
 
  private:
-  static constexpr int kLevels = 4;
   struct Run {
     std::int16_t begin, end;  // [begin, end) in its row
     std::int32_t component;   // union-find parent
@@ -57,6 +67,7 @@ class BlobFinder {
   std::vector<std::int32_t> row_start_;
   std::vector<Component> components_;
   std::size_t component_count_ = 0;
+  double noise_lsb_ = 0;
 };
 
 }  // namespace ninedot

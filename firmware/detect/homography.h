@@ -1,6 +1,7 @@
 #pragma once
 /// Sheet to picture, fitted to dots.
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <span>
 
 namespace ninedot {

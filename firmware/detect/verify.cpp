@@ -70,7 +70,6 @@ class Evidence {
     const Eigen::Matrix2d J = jacobian_of_map(H_, landmark_.centre_m(dot));
     const double radius_m = landmark_.radius_m(dot);
     for (int d = 0; d < kDirections; ++d) {
-      const Eigen::Vector2d px = map_point(H_, plane_point(dot, d, radius_m));
       const Eigen::Vector2d outward_px = J * (plane_point(dot, d, 1) - landmark_.centre_m(dot));
       const double px_per_m = outward_px.norm();
       const double step_m = std::max(1.2 / px_per_m, 0.25 * radius_m);
