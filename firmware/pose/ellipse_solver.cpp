@@ -26,6 +26,16 @@ constexpr double kBestCentreSigma_px = 0.01;
 constexpr double kPoseFreedoms = 6;
 constexpr double kTiny_px2 = 1e-12;  // keeps a division finite
 
+/// Squared residual that a small turn of the camera, which shifts all dots alike, can't remove: the witness for the
+/// side. Without this, the error of P9's centre, on which both poses are hung up, weighs on the ring's dots and drowns
+/// it.
+double squared_shape_residual_px2(const EllipseProblem& problem, const EllipseSight& sight,
+                                  const EllipseCandidate& candidate) noexcept {
+  const OutlineResiduals residuals_px = outline_residuals_px(problem, sight, candidate);
+  const Eigen::Vector2d sum_px = residuals_px.rowwise().sum();
+  return std::max(0.0, residuals_px.squaredNorm() - sum_px.squaredNorm() / sight.seen_count);
+}
+
 /// Scatter of the pose when the seen coordinates move by sigma, one after the other, to either side. Squares of both
 /// moves are averaged, not their difference: at a frontal view acos makes both moves go to the same side.
 class Scatter {
@@ -105,8 +115,8 @@ Result<PoseEstimate> EllipseSolver::solve(const LandmarkObservation& seen) const
   NINEDOT_TRY(EllipseCandidate best, solve_candidate(problem, sight, side));
   side.oriented_swing_rad += std::numbers::pi;
   NINEDOT_TRY(EllipseCandidate other, solve_candidate(problem, sight, side));
-  double best_px2 = outline_residuals_px(problem, sight, best).squaredNorm();
-  double other_px2 = outline_residuals_px(problem, sight, other).squaredNorm();
+  double best_px2 = squared_shape_residual_px2(problem, sight, best);
+  double other_px2 = squared_shape_residual_px2(problem, sight, other);
   if (other_px2 < best_px2) {
     std::swap(best, other);
     std::swap(best_px2, other_px2);
@@ -114,10 +124,11 @@ Result<PoseEstimate> EllipseSolver::solve(const LandmarkObservation& seen) const
 
   PoseEstimate estimate;
   estimate.T_landmark_camera = best.T_landmark_camera;
-  estimate.covariance = pose_covariance(problem, sight, best, best_px2);
+  const double residual_px2 = outline_residuals_px(problem, sight, best).squaredNorm();
+  estimate.covariance = pose_covariance(problem, sight, best, residual_px2);
   const double floor_px2 = 2 * sight.seen_count * kBestCentreSigma_px * kBestCentreSigma_px;
   estimate.ambiguity = (best_px2 + floor_px2) / (other_px2 + floor_px2);
-  estimate.rms_px = std::sqrt(best_px2 / sight.seen_count);
+  estimate.rms_px = std::sqrt(residual_px2 / sight.seen_count);
   estimate.dots_used = sight.seen_count;
   estimate.occlusion_level = static_cast<int>(sight.occlusion);
   estimate.ellipse = ellipse_parameters(best.T_landmark_camera, camera_, landmark_);
