@@ -84,7 +84,7 @@ void draw_discs(Canvas& canvas, const Scene& scene) {
     const Circle outline = circle_m(scene.geometry.centre_m(dot), scene.geometry.radius_m(dot));
     const bool seen = scene.dot_seen(dot);
     const auto right = project(outline[0]), left = project(outline[kCirclePoints / 2]);
-    const bool small = right && left && (*right - *left).norm() * canvas.scale < 32 * canvas.line_px;
+    const bool small = right && left && (*right - *left).norm() * canvas.scale < 18 * canvas.line_px;
     draw_chain(canvas, project, outline, seen ? kOutline : kHidden, (small && seen ? 1 : 2) * canvas.line_px,
                seen ? 0 : 8 * canvas.line_px);
   }
