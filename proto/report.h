@@ -18,6 +18,7 @@ enum class Reason : std::uint16_t {
   kFrameSize = 5,        ///< the frame's size is not the calibration's
   kFrameUnreadable = 6,  ///< the picture could not be read
   kStopped = 7,          ///< the source is over (a recording that does not loop)
+  kStale = 8,            ///< the newest report is valid but too old; set where a report is read, never by the frame loop
 };
 
 /// Which solver answered.

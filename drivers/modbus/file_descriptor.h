@@ -1,0 +1,46 @@
+#pragma once
+/// A descriptor that this object closes, and the one that wakes a thread out of poll().
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <utility>
+
+namespace ninedot {
+
+/// Move-only; -1 is none.
+class FileDescriptor {
+ public:
+  FileDescriptor() = default;
+  explicit FileDescriptor(int fd) noexcept : fd_(fd) {}
+  FileDescriptor(FileDescriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  ~FileDescriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  int get() const noexcept { return fd_; }
+  explicit operator bool() const noexcept { return fd_ >= 0; }
+
+ private:
+  int fd_ = -1;
+};
+
+/// Readable once `ring` was called, and for ever after.
+class WakeUp {
+ public:
+  WakeUp() noexcept : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
+  int get() const noexcept { return fd_.get(); }
+  void ring() const noexcept {
+    const std::uint64_t one = 1;
+    // Can't fail: the counter is far from full, and full would be readable as well.
+    [[maybe_unused]] const auto written = ::write(fd_.get(), &one, sizeof one);
+  }
+
+ private:
+  FileDescriptor fd_;
+};
+
+}  // namespace ninedot

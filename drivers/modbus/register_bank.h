@@ -1,0 +1,96 @@
+#pragma once
+/// What all Modbus clients share: the newest report as registers, the commands they write, and the counters.
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <span>
+
+#include "base/latest_value.h"
+#include "base/mono_time.h"
+#include "drivers/modbus/command.h"
+#include "drivers/modbus/options.h"
+#include "proto/register_codec.h"
+#include "proto/report.h"
+
+namespace ninedot {
+
+/// Codes of the Modbus Application Protocol 1.1b3, section 7, that this server sends.
+enum class ModbusException : std::uint8_t {
+  kIllegalFunction = 1,
+  kIllegalAddress = 2,
+  kIllegalValue = 3,
+  kDeviceFailure = 4,
+  kBusy = 6,
+};
+
+/// What belongs to one client: a TCP connection, or the serial line.
+struct ClientSession {
+  std::optional<Report> held;  ///< the report that HOLD froze
+  MonoTime held_until{};
+  std::chrono::milliseconds watchdog{};  ///< 0: off
+  MonoTime last_request_at{};
+};
+
+/// Counted by the server threads, read by anybody.
+struct BankCounters {
+  std::atomic<std::uint64_t> requests{0}, exceptions{0}, bus_errors{0};
+  std::atomic<std::uint32_t> tcp_clients{0};
+  std::atomic<std::int64_t> serial_heard_ns{0};  ///< when the serial line last brought a request for us; 0 = never
+};
+
+/// Threads: any, except that one session belongs to one thread. Never touched by the frame loop.
+class RegisterBank {
+ public:
+  using Clock = MonoTime (*)() noexcept;
+
+  /// The mailboxes must outlive the bank. \param clock  for tests
+  RegisterBank(const LatestValue<Report>& reports, const LatestValue<Health>& health, const ModbusOptions& options,
+               Clock clock = mono_now) noexcept;
+
+  /// The whole map for one reply, all of it from one report.
+  RegisterBlock read(ClientSession& session) noexcept;
+
+  /// Writes consecutive registers, all of them or none. \return nothing, or the exception that answers
+  std::optional<ModbusException> write(ClientSession& session, std::uint16_t first,
+                                       std::span<const std::uint16_t> values) noexcept;
+
+  /// To be called for each complete request, before it is answered.
+  void request_arrived(ClientSession& session) noexcept;
+  /// Fires the session's watchdog if its time is over. \return when to call again, nothing while it is off
+  std::optional<MonoTime> check_watchdog(ClientSession& session) noexcept;
+  /// The client is gone; an armed watchdog fires.
+  void client_left(ClientSession& session) noexcept;
+
+  std::optional<ClientCommand> try_take_command() noexcept;
+  void finish_command(std::uint16_t sequence, bool succeeded) noexcept;
+
+  bool writes_enabled() const noexcept { return options_.allow_writes; }
+  MonoTime now() const noexcept { return clock_(); }
+
+  BankCounters counters;
+
+ private:
+  bool supports(Command command) const noexcept {
+    return (options_.supported_commands >> static_cast<unsigned>(command) & 1U) != 0;
+  }
+  void fire_watchdog(ClientSession& session) noexcept;
+  void release_expired_hold(ClientSession& session) const noexcept;
+  void apply(ClientSession& session, std::uint16_t address, std::uint16_t value) noexcept;
+  std::optional<ModbusException> refusal_of_command(std::uint16_t first,
+                                                    std::span<const std::uint16_t> values) const noexcept;
+  std::uint32_t connected_clients(MonoTime now) const noexcept;
+
+  const LatestValue<Report>& reports_;
+  const LatestValue<Health>& health_;
+  const ModbusOptions options_;
+  const Clock clock_;
+
+  std::mutex mutex_;  // guards what follows
+  CommandRegisters commands_;
+  std::optional<ClientCommand> waiting_command_;
+  bool follow_waiting_ = false;
+};
+
+}  // namespace ninedot

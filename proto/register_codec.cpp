@@ -1,0 +1,247 @@
+/// encode_registers names every register once and says which number goes in; the table says how it is written.
+#include "proto/register_codec.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace ninedot {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+bool is_signed(RegisterType type) { return type == RegisterType::kI16 || type == RegisterType::kI32; }
+
+double step_of(const RegisterEntry& entry, const RegisterCodecOptions& options) {
+  return entry.scale_is_configured ? options.position_step_mm : entry.scale;
+}
+
+void put_words(std::uint32_t bits, bool high_first, std::span<std::uint16_t> words) noexcept {
+  if (words.size() == 1) {
+    words[0] = static_cast<std::uint16_t>(bits & 0xFFFFU);
+    return;
+  }
+  words[high_first ? 0 : 1] = static_cast<std::uint16_t>(bits >> 16U);
+  words[high_first ? 1 : 0] = static_cast<std::uint16_t>(bits & 0xFFFFU);
+}
+
+std::uint32_t bits_of(std::span<const std::uint16_t> words, bool high_first) noexcept {
+  if (words.size() == 1) return words[0];
+  const std::uint32_t high = words[high_first ? 0 : 1], low = words[high_first ? 1 : 0];
+  return high << 16U | low;
+}
+
+std::uint32_t float_bits(double value) noexcept {
+  constexpr double kMax = std::numeric_limits<float>::max();
+  // A fixed quiet NaN: the sign and payload of the processor's own differ between boards.
+  if (std::isnan(value)) return 0x7FC00000U;
+  return std::bit_cast<std::uint32_t>(static_cast<float>(std::clamp(value, -kMax, kMax)));
+}
+
+/// Steps of an integer register, saturated; NaN becomes the value that stands for "unknown".
+std::int64_t steps_of(const RegisterEntry& entry, double value, double step) noexcept {
+  if (std::isnan(value)) return is_signed(entry.type) ? -entry.highest - 1 : entry.highest;
+  // Both ends fit a double exactly; comparing before the cast keeps infinities out of it.
+  const double steps = std::round(value / step);
+  if (steps <= static_cast<double>(entry.lowest)) return entry.lowest;
+  if (steps >= static_cast<double>(entry.highest)) return entry.highest;
+  return static_cast<std::int64_t>(steps);
+}
+
+/// Writes one reply's registers; the entry is looked up at compile time.
+class Writer {
+ public:
+  Writer(RegisterBlock& block, const RegisterCodecOptions& options) : block_(block), options_(options) {}
+
+  template <std::uint16_t Address, std::uint16_t Offset = 0>
+  void put(double value) noexcept {
+    static constexpr const RegisterEntry* kEntry = find_register(Address + Offset);
+    static_assert(kEntry != nullptr, "no register starts at this address");
+    encode_value(*kEntry, value, options_, std::span(block_).subspan(kEntry->address, kEntry->words()));
+  }
+  template <std::uint16_t Address>
+  void count(std::uint32_t value) noexcept {
+    static constexpr const RegisterEntry* kEntry = find_register(Address);
+    static_assert(kEntry != nullptr &&
+                  (kEntry->type == RegisterType::kCounter16 || kEntry->type == RegisterType::kCounter32));
+    put_words(value, true, std::span(block_).subspan(Address, kEntry->words()));
+  }
+  /// Three entries in a row: x, y, z.
+  template <std::uint16_t Address>
+  void put_xyz(const std::array<double, 3>& xyz) noexcept {
+    constexpr std::uint16_t kStride = find_register(Address)->words();
+    put<Address>(xyz[0]);
+    put<Address, kStride>(xyz[1]);
+    put<Address, 2 * kStride>(xyz[2]);
+  }
+
+ private:
+  RegisterBlock& block_;
+  const RegisterCodecOptions& options_;
+};
+
+/// Rotation vector [rad], angle in [0, pi], of a unit quaternion with w >= 0: 2 atan2(|v|, w) v / |v|.
+std::array<double, 3> rotation_vector_rad(const std::array<double, 4>& wxyz) noexcept {
+  const double norm = std::sqrt(wxyz[1] * wxyz[1] + wxyz[2] * wxyz[2] + wxyz[3] * wxyz[3]);
+  // Below, the quotient's limit 2 / w is exact to a double's precision.
+  const double factor = norm < 1e-9 ? 2.0 / wxyz[0] : 2.0 * std::atan2(norm, wxyz[0]) / norm;
+  return {factor * wxyz[1], factor * wxyz[2], factor * wxyz[3]};
+}
+
+std::array<double, 3> scaled(const std::array<double, 3>& v, double factor) noexcept {
+  return {factor * v[0], factor * v[1], factor * v[2]};
+}
+
+double ms_of(std::chrono::nanoseconds duration) noexcept { return static_cast<double>(duration.count()) * 1e-6; }
+
+void put_state(Writer& out, const Report& report, const ServerState& server,
+               const RegisterCodecOptions& options) noexcept {
+  const bool has_pose = report.exposed_at != MonoTime{};
+  const std::chrono::nanoseconds age = server.now - report.exposed_at;
+  const bool stale = !has_pose || age > options.stale_after;
+  const bool valid = report.valid && !stale;
+
+  std::uint16_t status = 0;
+  const auto set = [&status](bool condition, std::uint16_t bit) {
+    if (condition) status = static_cast<std::uint16_t>(status | bit);
+  };
+  set(valid, status_bit::kValid);
+  set(report.found, status_bit::kFound);
+  set(report.ambiguous, status_bit::kAmbiguous);
+  set(stale, status_bit::kStale);
+  set(report.calibrated, status_bit::kCalibrated);
+  set(report.tracking, status_bit::kTracking);
+  set(report.solver == Solver::kEllipse, status_bit::kEllipseSolver);
+  set(server.commands.hold, status_bit::kHeld);
+  set(server.writes_enabled, status_bit::kWritesEnabled);
+
+  out.put<reg::kMagic>(kRegisterMapMagic);
+  out.put<reg::kMapVersion>(kRegisterMapVersion);
+  out.count<reg::kHeartbeat>(report.heartbeat);
+  out.count<reg::kPoseSequence>(report.pose_sequence);
+  out.put<reg::kStatus>(status);
+  out.put<reg::kReason>(static_cast<double>(report.valid && stale ? Reason::kStale : report.reason));
+  out.put<reg::kLandmarkId>(report.landmark_id);
+  out.put<reg::kQuality>(valid ? report.quality : 0);
+  out.put<reg::kAge>(has_pose ? ms_of(age) : std::numeric_limits<double>::infinity());
+  out.put<reg::kLatency>(ms_of(report.latency));
+}
+
+void put_pose(Writer& out, const Report& report) noexcept {
+  const ReportPose& pose = report.camera_in_world;
+  const std::array<double, 3> position_mm = scaled(pose.position_m, 1e3);
+  const std::array<double, 3> rotation_rad = rotation_vector_rad(pose.quaternion_wxyz);
+  out.put_xyz<reg::kX16>(position_mm);
+  out.put_xyz<reg::kRotationX16>(scaled(rotation_rad, 1e3));
+  out.put_xyz<reg::kX32>(position_mm);
+  out.put_xyz<reg::kRotationX32>(scaled(rotation_rad, kDegPerRad));
+
+  // Before the first pose nothing is known; the report's zeros would claim the opposite.
+  const bool has_pose = report.exposed_at != MonoTime{};
+  const std::array<double, 6>& sigma = report.sigma_world;
+  out.put_xyz<reg::kSigmaX>(scaled({sigma[0], sigma[1], sigma[2]}, has_pose ? 1e3 : kNaN));
+  out.put_xyz<reg::kSigmaRotationX>(scaled({sigma[3], sigma[4], sigma[5]}, has_pose ? kDegPerRad : kNaN));
+  out.put<reg::kAmbiguity>(report.ambiguity);
+  out.put<reg::kResidual>(report.rms_px);
+  out.put<reg::kDotsUsed>(report.dots_used);
+  out.put<reg::kPan>(report.pan_rad * kDegPerRad);
+  out.put<reg::kTilt>(report.tilt_rad * kDegPerRad);
+  out.count<reg::kPoseSequenceCopy>(report.pose_sequence);
+
+  out.put_xyz<reg::kXFloat>(position_mm);
+  out.put<reg::kQwFloat>(pose.quaternion_wxyz[0]);
+  out.put<reg::kQwFloat, 2>(pose.quaternion_wxyz[1]);
+  out.put<reg::kQwFloat, 4>(pose.quaternion_wxyz[2]);
+  out.put<reg::kQwFloat, 6>(pose.quaternion_wxyz[3]);
+}
+
+void put_health(Writer& out, const Health& health, const ServerState& server) noexcept {
+  out.put<reg::kFrameRate>(health.frame_rate_hz);
+  out.count<reg::kFramesProcessed>(health.frames_processed);
+  out.count<reg::kFramesDropped>(health.frames_dropped);
+  out.count<reg::kFramesFailed>(health.frames_failed);
+  out.put<reg::kCameraRestarts>(health.camera_restarts);
+  out.put<reg::kLatencyMedian>(ms_of(health.latency_median));
+  out.put<reg::kLatencyP99>(ms_of(health.latency_p99));
+  out.put<reg::kLatencyP999>(ms_of(health.latency_p999));
+  out.put<reg::kLatencyMax>(ms_of(health.latency_max));
+  out.put<reg::kTemperature>(health.temperature_degC);
+  const bool started = health.started_at != MonoTime{};
+  out.put<reg::kUptime>(started ? std::floor(ms_of(server.now - health.started_at) * 1e-3) : 0.0);
+  out.put<reg::kBusErrors>(static_cast<double>(server.bus_errors));
+  out.put<reg::kConnectedClients>(server.connected_clients);
+  out.put<reg::kHealthFlags>((health.realtime ? health_bit::kRealtime : 0) |
+                             (health.memory_locked ? health_bit::kMemoryLocked : 0));
+  out.put<reg::kExceptions>(static_cast<double>(server.exceptions));
+}
+
+void put_commands(Writer& out, const CommandRegisters& commands) noexcept {
+  out.put<reg::kCommand>(commands.command);
+  out.put<reg::kCommandSequence>(commands.sequence);
+  out.put<reg::kCommandAcknowledge>(commands.acknowledge);
+  out.put<reg::kCommandResult>(static_cast<double>(commands.result));
+  out.put<reg::kHold>(commands.hold ? 1 : 0);
+  out.put<reg::kPanSetPoint>(commands.pan_set_point_deg);
+  out.put<reg::kTiltSetPoint>(commands.tilt_set_point_deg);
+  out.put<reg::kClientWatchdog>(static_cast<double>(commands.client_watchdog.count()));
+}
+
+}  // namespace
+
+void encode_value(const RegisterEntry& entry, double value, const RegisterCodecOptions& options,
+                  std::span<std::uint16_t> words) noexcept {
+  EXPECTS(words.size() == entry.words() && options.position_step_mm > 0);
+  if (entry.type == RegisterType::kF32) {
+    put_words(float_bits(value), options.float_word_order == WordOrder::kHighFirst, words);
+    return;
+  }
+  // The low 32 bits of the two's complement are the register's bits, for signed and unsigned alike.
+  put_words(static_cast<std::uint32_t>(steps_of(entry, value, step_of(entry, options)) & 0xFFFFFFFF), true, words);
+}
+
+double decode_value(const RegisterEntry& entry, std::span<const std::uint16_t> words,
+                    const RegisterCodecOptions& options) noexcept {
+  EXPECTS(words.size() == entry.words());
+  if (entry.type == RegisterType::kF32) {
+    const bool high_first = options.float_word_order == WordOrder::kHighFirst;
+    return static_cast<double>(std::bit_cast<float>(bits_of(words, high_first)));
+  }
+  const std::uint32_t bits = bits_of(words, true);
+  double steps = bits;
+  if (entry.type == RegisterType::kI32) steps = static_cast<double>(std::bit_cast<std::int32_t>(bits));
+  if (entry.type == RegisterType::kI16) steps = static_cast<double>(std::bit_cast<std::int16_t>(words[0]));
+  if (is_signed(entry.type) && steps < static_cast<double>(entry.lowest)) return kNaN;
+  return steps * step_of(entry, options);
+}
+
+RegisterBlock encode_registers(const Report& report, const Health& health, const ServerState& server,
+                               const RegisterCodecOptions& options) noexcept {
+  RegisterBlock block{};
+  Writer out(block, options);
+  put_state(out, report, server, options);
+  put_pose(out, report);
+  put_health(out, health, server);
+  out.put<reg::kProbeInt32>(-1);
+  out.put<reg::kProbeWordOrder>(0x12345678);
+  out.put<reg::kProbeFloat>(123456.0);
+  put_commands(out, server.commands);
+  return block;
+}
+
+double RegisterReader::value(std::uint16_t address) const noexcept {
+  const RegisterEntry* entry = find_register(address);
+  EXPECTS(entry != nullptr && address + std::size_t{entry->words()} <= registers_.size());
+  return decode_value(*entry, registers_.subspan(address, entry->words()), options_);
+}
+
+std::uint32_t RegisterReader::integer(std::uint16_t address) const noexcept {
+  const RegisterEntry* entry = find_register(address);
+  EXPECTS(entry != nullptr && address + std::size_t{entry->words()} <= registers_.size());
+  EXPECTS(!is_signed(entry->type) && entry->type != RegisterType::kF32);
+  return bits_of(registers_.subspan(address, entry->words()), true);
+}
+
+}  // namespace ninedot

@@ -1,0 +1,221 @@
+#include "proto/register_document.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <iterator>
+#include <string_view>
+
+#include "proto/register_map.h"
+
+namespace ninedot {
+namespace {
+
+std::string_view type_name(RegisterType type) {
+  switch (type) {
+    case RegisterType::kU16:
+      return "uint16";
+    case RegisterType::kI16:
+      return "int16";
+    case RegisterType::kU32:
+      return "uint32";
+    case RegisterType::kI32:
+      return "int32";
+    case RegisterType::kF32:
+      return "float32";
+    case RegisterType::kBits16:
+      return "bits";
+    case RegisterType::kCounter16:
+      return "counter16";
+    case RegisterType::kCounter32:
+      return "counter32";
+  }
+  return "";
+}
+
+std::string_view access_name(RegisterAccess access) { return access == RegisterAccess::kRead ? "r" : "rw"; }
+
+bool is_bits_or_float(const RegisterEntry& entry) {
+  return entry.type == RegisterType::kBits16 || entry.type == RegisterType::kF32;
+}
+
+std::string address_text(const RegisterEntry& entry) {
+  return entry.words() == 1 ? fmt::format("{}", entry.address)
+                            : fmt::format("{}-{}", entry.address, entry.address + entry.words() - 1);
+}
+
+std::string step_text(const RegisterEntry& entry) {
+  if (is_bits_or_float(entry)) return std::string(entry.unit);
+  if (entry.unit.empty()) return entry.scale == 1 ? "" : fmt::format("{}", entry.scale);
+  return fmt::format("{} {}{}", entry.scale, entry.unit, entry.scale_is_configured ? " (configurable)" : "");
+}
+
+std::string range_text(const RegisterEntry& entry) {
+  if (is_bits_or_float(entry)) return "";
+  return fmt::format("{}..{}", entry.lowest, entry.highest);
+}
+
+constexpr std::string_view kMarkdownHead = R"(# Register map
+
+Made by `ninedot registers --format md` from the table in `proto/register_map.h`; do not edit.
+
+Addresses are 0-based, as on the wire; a tool that counts from 1 (mbpoll without `-0`, 40001-style notation) needs one
+more. Function codes 03 (holding registers) and 04 (input registers) show the same contents, because controllers differ
+in what they can read. One request reads at most 125 registers, and the map ends at address 124: one request can read
+all of it. **Whatever one reply holds is from one frame.** Addresses up to 124 that the table does not name read as 0.
+
+Try it:
+
+    mbpoll -m tcp -p 1502 -0 -1 -r 0 -c 10 -t 4:hex 127.0.0.1      # magic 0x9D09 first
+    mbpoll -m tcp -p 1502 -0 -1 -r 16 -c 6 -t 4:int -B 127.0.0.1   # x y z in 0.001 mm, rotation in 0.001 deg
+    mbpoll -m tcp -p 1502 -0 -1 -r 40 -c 7 -t 4:float -B 127.0.0.1 # x y z in mm and the quaternion
+
+## How to use it
+
+1. Commission: register 0 is 0x9D09; 80-85 read as -1, 0x12345678 and 123456.0 when signs and word order are right.
+2. In each cycle read 0-39 (or 0-53) in one request. Use the pose only while status bit `valid` is set, `ambiguous` is
+   not, and `age` is below what your motion allows.
+3. If the block is read in several requests, compare 3 with 39, or hold it (104).
+4. `heartbeat` (2) stands still: the device is not processing frames, whatever else the registers say.
+
+No landmark in view is not an exception: the last pose stays, `valid` is 0, `reason` says why, the age grows and
+saturates. A pose that is older than the limit (0.5 s) is `stale` and never `valid`.
+
+## Numbers
+
+- 16-bit registers: unsigned, or signed in two's complement. Value = register times step.
+- 32-bit integers: high word first, always. float32 (IEEE 754): high word first, or low word first when so configured
+  (`float_word_order`).
+- Values are rounded to the nearest step and saturate at the ends of their range, they never wrap; only counters do,
+  to 0. Unknown: -32768 or -2147483648 in signed registers, the upper end of the range in unsigned ones, NaN in float32.
+- World frame: Z up. Position is the camera's optical centre. The rotation turns camera vectors (x right, y down,
+  z forward) into world vectors; as rotation vector its direction is the axis and its length the angle, 0..180 deg.
+
+## Registers
+
+)";
+
+constexpr std::string_view kMarkdownTail = R"(
+## Writing
+
+Off unless configured (`allow_writes`); then function codes 06 and 16 write the registers marked `rw`, and reading
+gives back what was written. A request that writes several registers is carried out whole or not at all.
+
+- **Command**: write `command` and then `command_sequence`, or both in one request. A new sequence number starts the
+  command; `command_result` becomes 1, and at its end 2 or 3, with the number in `command_acknowledge`.
+- **Hold** belongs to the client that asks (a TCP connection, or the serial line): it freezes registers 2-53 for that
+  client alone, so that nobody can freeze what others see. Writing 1 again takes the newest frame and starts the time
+  anew. It ends when 0 is written, when the connection ends, and by itself after 500 ms (`hold_ms`). Age, `stale`
+  and `valid` go on meanwhile: held data grows old like any other. Set-points and commands are shared by all clients.
+- **Client watchdog** belongs to the client as well: if it is armed and the client sends no request in time, or its
+  connection ends, the head goes back to following the landmark and the watchdog is off again.
+
+## Exceptions
+
+| code | when |
+|---|---|
+| 01 | a function code other than 03 and 04, or 06 and 16 while writes are enabled |
+| 02 | an address beyond 124, or a write to a register that is not marked `rw` |
+| 03 | a quantity of 0 or above 125 (write: 123), a request whose length is wrong, a written value out of range |
+| 04 | a command that this device can't carry out (no pan/tilt head) |
+| 06 | a command while the one before is still running |
+
+## Addresses of devices and lines
+
+- TCP: the connection is the address, so every unit identifier is answered, and given back in the reply. Requests may
+  be sent without waiting for replies; they are answered in order.
+- RTU: the configured unit alone is answered. Unit 0 (broadcast): writes are carried out, nothing is answered. Other
+  units' requests and replies on the same line are passed over. A frame ends with 3.5 characters of silence (at least
+  1.75 ms); a frame that the driver delivers in pieces is accepted up to 20 ms after its last piece.
+- TCP connections are limited in number; one that sends no complete request for the idle time is closed, and when all
+  places are taken, one that never sent any makes room.
+)";
+
+void append_codes(std::string& out, std::span<const RegisterCode> codes) {
+  out += "\n| code | meaning |\n|---|---|\n";
+  for (const RegisterCode& code : codes)
+    fmt::format_to(std::back_inserter(out), "| {} | {} |\n", code.code, code.meaning);
+}
+
+void append_bits(std::string& out, std::span<const RegisterBit> bits) {
+  out += "\n| bit | name | set when |\n|---|---|---|\n";
+  for (const RegisterBit& bit : bits)
+    fmt::format_to(std::back_inserter(out), "| {} | `{}` | {} |\n", std::countr_zero(bit.mask), bit.name, bit.meaning);
+}
+
+/// CSV and JSON quote alike here: no text in the table holds a control character.
+std::string quoted(std::string_view text, std::string_view quote_becomes) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"')
+      out += quote_becomes;
+    else
+      out += c;
+  }
+  return out + "\"";
+}
+
+std::string json_bits(std::span<const RegisterBit> bits) {
+  std::string out;
+  for (const RegisterBit& bit : bits)
+    fmt::format_to(std::back_inserter(out), "{}\n    {{\"bit\": {}, \"name\": \"{}\", \"meaning\": {}}}",
+                   out.empty() ? "" : ",", std::countr_zero(bit.mask), bit.name, quoted(bit.meaning, "\\\""));
+  return out;
+}
+
+std::string json_codes(std::span<const RegisterCode> codes) {
+  std::string out;
+  for (const RegisterCode& code : codes)
+    fmt::format_to(std::back_inserter(out), "{}\n    {{\"code\": {}, \"meaning\": {}}}", out.empty() ? "" : ",",
+                   code.code, quoted(code.meaning, "\\\""));
+  return out;
+}
+
+}  // namespace
+
+std::string register_map_markdown() {
+  std::string out(kMarkdownHead);
+  out += "| address | name | type | step | range (steps) | access | meaning |\n|---|---|---|---|---|---|---|\n";
+  for (const RegisterEntry& entry : kRegisterMap)
+    fmt::format_to(std::back_inserter(out), "| {} | `{}` | {} | {} | {} | {} | {} |\n", address_text(entry), entry.name,
+                   type_name(entry.type), step_text(entry), range_text(entry), access_name(entry.access),
+                   entry.meaning);
+  out += "\n### Status bits (register 4)\n";
+  append_bits(out, kStatusBits);
+  out += "\n### Health flags (register 78)\n";
+  append_bits(out, kHealthBits);
+  out += "\n### Reason codes (register 5)\n";
+  append_codes(out, kReasonCodes);
+  out += "\n### Commands (register 100)\n";
+  append_codes(out, kCommandCodes);
+  out += kMarkdownTail;
+  return out;
+}
+
+std::string register_map_csv() {
+  std::string out = "address,name,words,type,step,unit,lowest,highest,access,meaning\n";
+  for (const RegisterEntry& entry : kRegisterMap)
+    fmt::format_to(std::back_inserter(out), "{},{},{},{},{},{},{},{},{},{}\n", entry.address, entry.name, entry.words(),
+                   type_name(entry.type), entry.scale, entry.unit, entry.lowest, entry.highest,
+                   access_name(entry.access), quoted(entry.meaning, "\"\""));
+  return out;
+}
+
+std::string register_map_json() {
+  std::string registers;
+  for (const RegisterEntry& entry : kRegisterMap)
+    fmt::format_to(std::back_inserter(registers),
+                   "{}\n    {{\"address\": {}, \"name\": \"{}\", \"words\": {}, \"type\": \"{}\", \"step\": {}, "
+                   "\"step_is_configured\": {}, \"unit\": \"{}\", \"lowest\": {}, \"highest\": {}, \"access\": \"{}\", "
+                   "\"meaning\": {}}}",
+                   registers.empty() ? "" : ",", entry.address, entry.name, entry.words(), type_name(entry.type),
+                   entry.scale, entry.scale_is_configured, entry.unit, entry.lowest, entry.highest,
+                   access_name(entry.access), quoted(entry.meaning, "\\\""));
+  return fmt::format(
+      "{{\n  \"version\": {},\n  \"registers\": [{}\n  ],\n  \"status_bits\": [{}\n  ],\n  \"health_bits\": [{}\n  ],\n"
+      "  \"reasons\": [{}\n  ],\n  \"commands\": [{}\n  ]\n}}\n",
+      kRegisterMapVersion, registers, json_bits(kStatusBits), json_bits(kHealthBits), json_codes(kReasonCodes),
+      json_codes(kCommandCodes));
+}
+
+}  // namespace ninedot

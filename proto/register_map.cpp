@@ -1,0 +1,67 @@
+#include "proto/register_map.h"
+
+#include "proto/report.h"
+
+namespace ninedot {
+namespace {
+
+constexpr bool map_is_well_formed() {
+  std::uint32_t next_free = 0;
+  for (const RegisterEntry& entry : kRegisterMap) {
+    if (entry.address < next_free) return false;  // out of order, or on top of the one before
+    next_free = std::uint32_t{entry.address} + entry.words();
+    if (next_free > kRegisterCount || entry.name.empty() || entry.meaning.empty() || entry.scale <= 0) return false;
+    if (entry.type != RegisterType::kF32 && entry.lowest >= entry.highest) return false;
+  }
+  return true;
+}
+static_assert(map_is_well_formed());
+
+constexpr RegisterBit kStatusBitTable[] = {
+    {status_bit::kValid, "valid", "the pose is of the newest frame, usable and not stale"},
+    {status_bit::kFound, "found", "the newest frame shows a landmark"},
+    {status_bit::kAmbiguous, "ambiguous", "two poses fit almost equally well: do not use without another source"},
+    {status_bit::kStale, "stale", "the pose is older than the limit, or there has been none yet"},
+    {status_bit::kCalibrated, "calibrated", "a calibration of the camera is loaded"},
+    {status_bit::kServoLimit, "servo_limit", "the head stands at the end of its range (0 without a head)"},
+    {status_bit::kThrottled, "throttled", "the board runs slower because of heat or supply (0 where unknown)"},
+    {status_bit::kTracking, "tracking", "found where it was expected, without a search of the whole picture"},
+    {status_bit::kEllipseSolver, "ellipse_solver", "the pose is from the solver \"ellipse\", not \"full\""},
+    {status_bit::kHeld, "held", "this client holds the data block (register 104)"},
+    {status_bit::kWritesEnabled, "writes_enabled", "function codes 06 and 16 are accepted"},
+};
+
+constexpr RegisterBit kHealthBitTable[] = {
+    {health_bit::kRealtime, "realtime", "the frame loop runs under SCHED_FIFO"},
+    {health_bit::kMemoryLocked, "memory_locked", "the service's memory is locked"},
+};
+
+constexpr std::uint16_t number(Reason reason) { return static_cast<std::uint16_t>(reason); }
+constexpr RegisterCode kReasonTable[] = {
+    {number(Reason::kNone), "the pose is valid"},
+    {number(Reason::kStarting), "no frame has been processed yet"},
+    {number(Reason::kNoLandmark), "the frame shows no landmark"},
+    {number(Reason::kPoseDegenerate), "a landmark was seen, but what is visible does not determine a pose"},
+    {number(Reason::kCameraLost), "the camera vanished or stalled"},
+    {number(Reason::kFrameSize), "the frame's size is not the calibration's"},
+    {number(Reason::kFrameUnreadable), "the picture could not be read"},
+    {number(Reason::kStopped), "the source is over"},
+    {number(Reason::kStale), "the newest pose is too old: no frame has been processed since"},
+};
+
+constexpr std::uint16_t number(Command command) { return static_cast<std::uint16_t>(command); }
+constexpr RegisterCode kCommandTable[] = {
+    {number(Command::kNone), "nothing"},
+    {number(Command::kFollow), "the head follows the landmark"},
+    {number(Command::kPoint), "the head moves to the set-points (registers 105, 106) and stays there"},
+};
+static_assert(std::size(kCommandTable) == kLastCommand + 1U);
+
+}  // namespace
+
+const std::span<const RegisterBit> kStatusBits = kStatusBitTable;
+const std::span<const RegisterBit> kHealthBits = kHealthBitTable;
+const std::span<const RegisterCode> kReasonCodes = kReasonTable;
+const std::span<const RegisterCode> kCommandCodes = kCommandTable;
+
+}  // namespace ninedot

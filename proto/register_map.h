@@ -1,0 +1,244 @@
+#pragma once
+/// What another machine reads and writes over Modbus: one normative table. The constants in `reg`, the codec,
+/// docs/registers.md and the tests follow from it.
+///
+/// Addresses are 0-based, as they stand in the request on the wire. Function codes 03 and 04 show the same contents.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/contract.h"
+
+namespace ninedot {
+
+/// Bumped when an address changes its meaning; new registers in gaps leave it alone.
+inline constexpr std::uint16_t kRegisterMapVersion = 1;
+inline constexpr std::uint16_t kRegisterMapMagic = 0x9D09;
+
+/// The map spans addresses 0..124, so that one request of 125 registers (the protocol's limit) reads all of it.
+/// Addresses without an entry read as 0. From 125 on: exception 02.
+inline constexpr std::size_t kRegisterCount = 125;
+
+/// How a register's words are to be read. Two words: the high word first (float32: as configured).
+enum class RegisterType : std::uint8_t { kU16, kI16, kU32, kI32, kF32, kBits16, kCounter16, kCounter32 };
+enum class RegisterAccess : std::uint8_t { kRead, kReadWrite };
+
+struct RegisterEntry {
+  std::uint16_t address;
+  std::string_view name;
+  RegisterType type;
+  double scale;           ///< one step, in `unit`; the default where `scale_is_configured`
+  std::string_view unit;  ///< empty: a plain number
+  std::int64_t lowest;    ///< range in steps: values beyond saturate there (counters wrap)
+  std::int64_t highest;
+  RegisterAccess access;
+  std::string_view meaning;
+  bool scale_is_configured = false;
+
+  constexpr std::uint16_t words() const noexcept {
+    return type == RegisterType::kU32 || type == RegisterType::kI32 || type == RegisterType::kF32 ||
+                   type == RegisterType::kCounter32
+               ? 2
+               : 1;
+  }
+};
+
+namespace register_ranges {
+inline constexpr std::int64_t kU16Max = 0xFFFF;
+inline constexpr std::int64_t kI16Max = 0x7FFF;  // -32768 is kept for "unknown"
+inline constexpr std::int64_t kU32Max = 0xFFFFFFFF;
+inline constexpr std::int64_t kI32Max = 0x7FFFFFFF;  // -2147483648 is kept for "unknown"
+}  // namespace register_ranges
+
+// clang-format off
+inline constexpr auto kRegisterMap = [] {
+  using enum RegisterType;
+  using enum RegisterAccess;
+  using namespace register_ranges;
+  return std::to_array<RegisterEntry>({
+  {  0, "magic",               kU16,       1,      "",     0,        kU16Max, kRead, "0x9D09 (40201): anything else is an address that is off by one, or another device"},
+  {  1, "map_version",         kU16,       1,      "",     0,        kU16Max, kRead, "version of this map"},
+  {  2, "heartbeat",           kCounter16, 1,      "",     0,        kU16Max, kRead, "+1 per processed frame, landmark or not: the device lives"},
+  {  3, "pose_sequence",       kCounter16, 1,      "",     0,        kU16Max, kRead, "+1 per valid pose: the data is new"},
+  {  4, "status",              kBits16,    1,      "",     0,        kU16Max, kRead, "status bits, see below"},
+  {  5, "reason",              kU16,       1,      "",     0,        kU16Max, kRead, "why the pose is not valid, see below; 0 while it is"},
+  {  6, "landmark_id",         kU16,       1,      "",     0,        kU16Max, kRead, "the landmark that the pose rests on"},
+  {  7, "quality",             kU16,       1,      "",     0,        1000,    kRead, "0 unusable .. 1000 best; 0 while the pose is not valid"},
+  {  8, "age",                 kU16,       0.1,    "ms",   0,        kU16Max, kRead, "age of the pose at the moment of the reply, from the middle of its exposure; saturates, also before the first pose"},
+  {  9, "latency",             kU16,       0.1,    "ms",   0,        kU16Max, kRead, "middle of the exposure to published report, of the last processed frame"},
+  { 10, "x_16",                kI16,       0.5,    "mm",   -kI16Max, kI16Max, kRead, "camera's optical centre in the world, x", true},
+  { 11, "y_16",                kI16,       0.5,    "mm",   -kI16Max, kI16Max, kRead, "the same, y", true},
+  { 12, "z_16",                kI16,       0.5,    "mm",   -kI16Max, kI16Max, kRead, "the same, z (up)", true},
+  { 13, "rotation_x_16",       kI16,       1,      "mrad", -kI16Max, kI16Max, kRead, "rotation vector camera to world (axis times angle, angle 0..pi), x"},
+  { 14, "rotation_y_16",       kI16,       1,      "mrad", -kI16Max, kI16Max, kRead, "the same, y"},
+  { 15, "rotation_z_16",       kI16,       1,      "mrad", -kI16Max, kI16Max, kRead, "the same, z"},
+  { 16, "x_32",                kI32,       0.001,  "mm",   -kI32Max, kI32Max, kRead, "camera's optical centre in the world, x"},
+  { 18, "y_32",                kI32,       0.001,  "mm",   -kI32Max, kI32Max, kRead, "the same, y"},
+  { 20, "z_32",                kI32,       0.001,  "mm",   -kI32Max, kI32Max, kRead, "the same, z (up)"},
+  { 22, "rotation_x_32",       kI32,       0.001,  "deg",  -kI32Max, kI32Max, kRead, "rotation vector camera to world, x"},
+  { 24, "rotation_y_32",       kI32,       0.001,  "deg",  -kI32Max, kI32Max, kRead, "the same, y"},
+  { 26, "rotation_z_32",       kI32,       0.001,  "deg",  -kI32Max, kI32Max, kRead, "the same, z"},
+  { 28, "sigma_x",             kU16,       0.01,   "mm",   1,        kU16Max, kRead, "1-sigma of x; never 0; 65535 also before the first pose"},
+  { 29, "sigma_y",             kU16,       0.01,   "mm",   1,        kU16Max, kRead, "1-sigma of y"},
+  { 30, "sigma_z",             kU16,       0.01,   "mm",   1,        kU16Max, kRead, "1-sigma of z"},
+  { 31, "sigma_rotation_x",    kU16,       0.001,  "deg",  1,        kU16Max, kRead, "1-sigma of the rotation about the world's x"},
+  { 32, "sigma_rotation_y",    kU16,       0.001,  "deg",  1,        kU16Max, kRead, "the same about y"},
+  { 33, "sigma_rotation_z",    kU16,       0.001,  "deg",  1,        kU16Max, kRead, "the same about z"},
+  { 34, "ambiguity",           kU16,       0.001,  "",     0,        1000,    kRead, "0 one clear pose .. 1 two poses fit equally well"},
+  { 35, "residual",            kU16,       0.001,  "px",   0,        kU16Max, kRead, "root mean square residual of the fit"},
+  { 36, "dots_used",           kU16,       1,      "",     0,        kU16Max, kRead, "dots that the pose rests on, 0..9"},
+  { 37, "pan",                 kI16,       0.01,   "deg",  -kI16Max, kI16Max, kRead, "of the pan/tilt head, positive to the left; 0 without one"},
+  { 38, "tilt",                kI16,       0.01,   "deg",  -kI16Max, kI16Max, kRead, "of the pan/tilt head, positive upwards; 0 without one"},
+  { 39, "pose_sequence_copy",  kCounter16, 1,      "",     0,        kU16Max, kRead, "equals register 3, or the controller has mixed two replies"},
+  { 40, "x_float",             kF32,       1,      "mm",   0,        0,       kRead, "camera's optical centre in the world, x"},
+  { 42, "y_float",             kF32,       1,      "mm",   0,        0,       kRead, "the same, y"},
+  { 44, "z_float",             kF32,       1,      "mm",   0,        0,       kRead, "the same, z (up)"},
+  { 46, "qw_float",            kF32,       1,      "",     0,        0,       kRead, "quaternion camera to world, w >= 0"},
+  { 48, "qx_float",            kF32,       1,      "",     0,        0,       kRead, "the same, x"},
+  { 50, "qy_float",            kF32,       1,      "",     0,        0,       kRead, "the same, y"},
+  { 52, "qz_float",            kF32,       1,      "",     0,        0,       kRead, "the same, z"},
+  { 60, "frame_rate",          kU16,       0.1,    "Hz",   0,        kU16Max, kRead, "processed frames per second"},
+  { 61, "frames_processed",    kCounter32, 1,      "",     0,        kU32Max, kRead, "since the start"},
+  { 63, "frames_dropped",      kCounter32, 1,      "",     0,        kU32Max, kRead, "lost between the sensor and the frame loop"},
+  { 65, "frames_failed",       kCounter32, 1,      "",     0,        kU32Max, kRead, "arrived, but unreadable or of a wrong size"},
+  { 67, "camera_restarts",     kU16,       1,      "",     0,        kU16Max, kRead, "the camera was closed and opened again"},
+  { 68, "latency_median",      kU16,       0.1,    "ms",   0,        kU16Max, kRead, "of the capture-to-publish latency"},
+  { 69, "latency_p99",         kU16,       0.1,    "ms",   0,        kU16Max, kRead, "the same, 99 %"},
+  { 70, "latency_p999",        kU16,       0.1,    "ms",   0,        kU16Max, kRead, "the same, 99.9 %"},
+  { 71, "latency_max",         kU16,       0.1,    "ms",   0,        kU16Max, kRead, "the same, largest"},
+  { 72, "temperature",         kI16,       0.1,    "degC", -kI16Max, kI16Max, kRead, "of the board; -32768 where unknown"},
+  { 73, "uptime",              kU32,       1,      "s",    0,        kU32Max, kRead, "since the service started"},
+  { 75, "bus_errors",          kU32,       1,      "",     0,        kU32Max, kRead, "bad check sums, broken frames, serial line lost"},
+  { 77, "connected_clients",   kU16,       1,      "",     0,        kU16Max, kRead, "TCP connections, and one for a serial line heard in the last 5 s"},
+  { 78, "health_flags",        kBits16,    1,      "",     0,        kU16Max, kRead, "health flags, see below"},
+  { 79, "exceptions",          kU16,       1,      "",     0,        kU16Max, kRead, "requests answered with an exception"},
+  { 80, "probe_int32",         kI32,       1,      "",     -kI32Max, kI32Max, kRead, "always -1 (0xFFFF 0xFFFF): signed numbers are read as signed"},
+  { 82, "probe_word_order",    kU32,       1,      "",     0,        kU32Max, kRead, "always 0x12345678: the word order of 32-bit integers"},
+  { 84, "probe_float",         kF32,       1,      "",     0,        0,       kRead, "always 123456.0: the word order of float32"},
+  {100, "command",             kU16,       1,      "",     0,        kU16Max, kReadWrite, "command code, see below; carried out when register 101 changes"},
+  {101, "command_sequence",    kU16,       1,      "",     0,        kU16Max, kReadWrite, "write a number other than the last one to carry out register 100"},
+  {102, "command_acknowledge", kU16,       1,      "",     0,        kU16Max, kRead, "command_sequence of the last command that is finished"},
+  {103, "command_result",      kU16,       1,      "",     0,        kU16Max, kRead, "0 none yet, 1 running, 2 done, 3 failed"},
+  {104, "hold",                kU16,       1,      "",     0,        1,       kReadWrite, "1 freezes registers 2-53 for this client (age and staleness go on); 0 releases; releases itself"},
+  {105, "pan_set_point",       kI16,       0.01,   "deg",  -18000,   18000,   kReadWrite, "for command 2, positive to the left"},
+  {106, "tilt_set_point",      kI16,       0.01,   "deg",  -9000,    9000,    kReadWrite, "for command 2, positive upwards"},
+  {107, "client_watchdog",     kU16,       1,      "ms",   0,        kU16Max, kReadWrite, "0 off; else this client must send a request within this time, or the head goes back to following"},
+  });
+}();
+// clang-format on
+
+/// The entry whose first word is at `address`, or null.
+constexpr const RegisterEntry* find_register(std::uint16_t address) noexcept {
+  for (const RegisterEntry& entry : kRegisterMap)
+    if (entry.address == address) return &entry;
+  return nullptr;
+}
+
+/// Address by name, at compile time: a wrong name does not compile.
+consteval std::uint16_t register_address(std::string_view name) {
+  for (const RegisterEntry& entry : kRegisterMap)
+    if (entry.name == name) return entry.address;
+  throw "no register of this name";
+}
+
+/// The addresses that code uses by name.
+namespace reg {
+#define NINEDOT_REGISTER(constant, name) inline constexpr std::uint16_t constant = register_address(name)
+NINEDOT_REGISTER(kMagic, "magic");
+NINEDOT_REGISTER(kMapVersion, "map_version");
+NINEDOT_REGISTER(kHeartbeat, "heartbeat");
+NINEDOT_REGISTER(kPoseSequence, "pose_sequence");
+NINEDOT_REGISTER(kStatus, "status");
+NINEDOT_REGISTER(kReason, "reason");
+NINEDOT_REGISTER(kLandmarkId, "landmark_id");
+NINEDOT_REGISTER(kQuality, "quality");
+NINEDOT_REGISTER(kAge, "age");
+NINEDOT_REGISTER(kLatency, "latency");
+NINEDOT_REGISTER(kX16, "x_16");
+NINEDOT_REGISTER(kRotationX16, "rotation_x_16");
+NINEDOT_REGISTER(kX32, "x_32");
+NINEDOT_REGISTER(kRotationX32, "rotation_x_32");
+NINEDOT_REGISTER(kSigmaX, "sigma_x");
+NINEDOT_REGISTER(kSigmaRotationX, "sigma_rotation_x");
+NINEDOT_REGISTER(kAmbiguity, "ambiguity");
+NINEDOT_REGISTER(kResidual, "residual");
+NINEDOT_REGISTER(kDotsUsed, "dots_used");
+NINEDOT_REGISTER(kPan, "pan");
+NINEDOT_REGISTER(kTilt, "tilt");
+NINEDOT_REGISTER(kPoseSequenceCopy, "pose_sequence_copy");
+NINEDOT_REGISTER(kXFloat, "x_float");
+NINEDOT_REGISTER(kQwFloat, "qw_float");
+NINEDOT_REGISTER(kFrameRate, "frame_rate");
+NINEDOT_REGISTER(kFramesProcessed, "frames_processed");
+NINEDOT_REGISTER(kFramesDropped, "frames_dropped");
+NINEDOT_REGISTER(kFramesFailed, "frames_failed");
+NINEDOT_REGISTER(kCameraRestarts, "camera_restarts");
+NINEDOT_REGISTER(kLatencyMedian, "latency_median");
+NINEDOT_REGISTER(kLatencyP99, "latency_p99");
+NINEDOT_REGISTER(kLatencyP999, "latency_p999");
+NINEDOT_REGISTER(kLatencyMax, "latency_max");
+NINEDOT_REGISTER(kTemperature, "temperature");
+NINEDOT_REGISTER(kUptime, "uptime");
+NINEDOT_REGISTER(kBusErrors, "bus_errors");
+NINEDOT_REGISTER(kConnectedClients, "connected_clients");
+NINEDOT_REGISTER(kHealthFlags, "health_flags");
+NINEDOT_REGISTER(kExceptions, "exceptions");
+NINEDOT_REGISTER(kProbeInt32, "probe_int32");
+NINEDOT_REGISTER(kProbeWordOrder, "probe_word_order");
+NINEDOT_REGISTER(kProbeFloat, "probe_float");
+NINEDOT_REGISTER(kCommand, "command");
+NINEDOT_REGISTER(kCommandSequence, "command_sequence");
+NINEDOT_REGISTER(kCommandAcknowledge, "command_acknowledge");
+NINEDOT_REGISTER(kCommandResult, "command_result");
+NINEDOT_REGISTER(kHold, "hold");
+NINEDOT_REGISTER(kPanSetPoint, "pan_set_point");
+NINEDOT_REGISTER(kTiltSetPoint, "tilt_set_point");
+NINEDOT_REGISTER(kClientWatchdog, "client_watchdog");
+#undef NINEDOT_REGISTER
+}  // namespace reg
+
+/// One bit of a kBits16 register.
+struct RegisterBit {
+  std::uint16_t mask;
+  std::string_view name;
+  std::string_view meaning;
+};
+
+/// Bits of register `status`. Normative.
+namespace status_bit {
+inline constexpr std::uint16_t kValid = 1U << 0, kFound = 1U << 1, kAmbiguous = 1U << 2, kStale = 1U << 3,
+                               kCalibrated = 1U << 4, kServoLimit = 1U << 5, kThrottled = 1U << 6, kTracking = 1U << 7,
+                               kEllipseSolver = 1U << 8, kHeld = 1U << 9, kWritesEnabled = 1U << 10;
+}
+extern const std::span<const RegisterBit> kStatusBits;
+
+/// Bits of register `health_flags`. Normative.
+namespace health_bit {
+inline constexpr std::uint16_t kRealtime = 1U << 0, kMemoryLocked = 1U << 1;
+}
+extern const std::span<const RegisterBit> kHealthBits;
+
+/// A number and what it stands for: codes in registers.
+struct RegisterCode {
+  std::uint16_t code;
+  std::string_view meaning;
+};
+extern const std::span<const RegisterCode> kReasonCodes;  ///< register `reason`; the numbers are enum Reason
+
+/// Register `command`. Never renumber.
+enum class Command : std::uint16_t {
+  kNone = 0,    ///< nothing
+  kFollow = 1,  ///< the head follows the landmark
+  kPoint = 2,   ///< the head moves to the set-points and stays there
+};
+inline constexpr std::uint16_t kLastCommand = 2;
+extern const std::span<const RegisterCode> kCommandCodes;
+
+/// Register `command_result`.
+enum class CommandResult : std::uint16_t { kNone = 0, kRunning = 1, kDone = 2, kFailed = 3 };
+
+}  // namespace ninedot
