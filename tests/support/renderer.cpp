@@ -1,0 +1,191 @@
+// One exposure. A ray per pixel's cell meets the wall; cells that an outline crosses get 8 x 8 of them, each with its
+// own cover. The point spread and the pixel's square then act on the sub-samples directly: per axis, the weight of a
+// sample at d px from a pixel's centre is Phi((d + 1/2) / s) - Phi((d - 1/2) / s).
+#include "tests/support/renderer.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "base/contract.h"
+#include "tests/support/renderer_optics.h"
+#include "tests/support/renderer_wall.h"
+
+namespace ninedot::test {
+namespace {
+
+constexpr int kSub = 8;                // sub-samples per pixel and axis
+constexpr double kEdgeReach_px = 1.7;  // a cell with an edge within half of this from its middle is sub-sampled
+constexpr double kFarthest_m = 60;     // beyond is the horizon
+
+// Rays of the picture's pixels and of a margin around it, one row and column more for their derivatives.
+class RayGrid {
+ public:
+  RayGrid(const Lens& lens, const CameraPose& pose, int margin_px)
+      : width_(lens.width_px + 2 * (margin_px + 1)),
+        centre_m_(pose.position_m[0], pose.position_m[1], pose.position_m[2]) {
+    const Eigen::Matrix3d R = rotation_of(pose);
+    const int height = lens.height_px + 2 * (margin_px + 1);
+    rays_.reserve(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height));
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width_; ++x) {
+        Ray ray = ray_of_pixel(lens, x - margin_px - 1, y - margin_px - 1);
+        ray.direction = R * ray.direction;
+        rays_.push_back(ray);
+      }
+  }
+
+  // The spot at (x + du, y + dv) px of the margined picture; false where the ray misses the wall.
+  bool find_spot(int x, int y, double du_px, double dv_px, Spot& spot) const {
+    const Ray &left = at(x, y + 1), &right = at(x + 2, y + 1), &above = at(x + 1, y), &below = at(x + 1, y + 2);
+    const Ray& middle = at(x + 1, y + 1);
+    if (!middle.valid || !left.valid || !right.valid || !above.valid || !below.valid) return false;
+    const Eigen::Vector3d per_u = (right.direction - left.direction) / 2,
+                          per_v = (below.direction - above.direction) / 2;
+    const Eigen::Vector3d d = middle.direction + du_px * per_u + dv_px * per_v;
+    if (d.y() >= -1e-9) return false;
+    const double reach = -centre_m_.y() / d.y();
+    if (reach * d.norm() > kFarthest_m) return false;
+    const double slope_x = d.x() / d.y(), slope_z = d.z() / d.y();
+    spot.at_m = {centre_m_.x() + reach * d.x(), centre_m_.z() + reach * d.z()};
+    spot.per_px << reach * (per_u.x() - slope_x * per_u.y()), reach * (per_v.x() - slope_x * per_v.y()),
+        reach * (per_u.z() - slope_z * per_u.y()), reach * (per_v.z() - slope_z * per_v.y());
+    return true;
+  }
+
+ private:
+  const Ray& at(int x, int y) const {
+    return rays_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+  }
+  int width_;
+  Eigen::Vector3d centre_m_;
+  std::vector<Ray> rays_;
+};
+
+// Point spread and pixel square along one axis: weights of the kSub samples of a cell for the pixels -reach..reach
+// away.
+class Spread {
+ public:
+  explicit Spread(double sigma_px) : reach_(static_cast<int>(std::ceil(0.5 + 4 * sigma_px))) {
+    const auto step = [&](double d_px) {
+      return sigma_px > 0 ? 0.5 * std::erfc(-d_px / (sigma_px * std::sqrt(2.0))) : (d_px > 0 ? 1.0 : 0.0);
+    };
+    weights_.resize(static_cast<std::size_t>((2 * reach_ + 1) * kSub));
+    for (int i = 0; i < kSub; ++i) {
+      double sum = 0;
+      for (int pixel = -reach_; pixel <= reach_; ++pixel) {
+        const double d_px = (i + 0.5) / kSub - 0.5 - pixel;
+        sum += weight(pixel, i) = step(d_px + 0.5) - step(d_px - 0.5);
+      }
+      for (int pixel = -reach_; pixel <= reach_; ++pixel) weight(pixel, i) /= sum * kSub;
+    }
+  }
+  int reach() const { return reach_; }
+  double& weight(int pixel, int sample) { return weights_[static_cast<std::size_t>((pixel + reach_) * kSub + sample)]; }
+  double weight(int pixel, int sample) const {
+    return weights_[static_cast<std::size_t>((pixel + reach_) * kSub + sample)];
+  }
+
+ private:
+  int reach_;
+  std::vector<double> weights_;
+};
+
+// Collects cells into pixels.
+class Film {
+ public:
+  Film(int width_px, int height_px, const Spread& spread)
+      : spread_(spread),
+        exposure_{width_px, height_px, {}},
+        column_(static_cast<std::size_t>(2 * spread.reach() + 1) * kSub) {
+    exposure_.light.resize(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));
+  }
+
+  // \param samples  kSub x kSub, row by row, of the cell of pixel (x, y), which may lie outside of the picture
+  void add(int x, int y, const std::array<double, kSub * kSub>& samples) {
+    const int reach = spread_.reach();
+    for (int dx = -reach; dx <= reach; ++dx)
+      for (int j = 0; j < kSub; ++j) {
+        double sum = 0;
+        for (int i = 0; i < kSub; ++i) sum += spread_.weight(dx, i) * samples[static_cast<std::size_t>(j * kSub + i)];
+        column_[static_cast<std::size_t>((dx + reach) * kSub + j)] = sum;
+      }
+    for (int dy = std::max(-reach, -y); dy <= std::min(reach, exposure_.height_px - 1 - y); ++dy)
+      for (int dx = std::max(-reach, -x); dx <= std::min(reach, exposure_.width_px - 1 - x); ++dx) {
+        double sum = 0;
+        for (int j = 0; j < kSub; ++j)
+          sum += spread_.weight(dy, j) * column_[static_cast<std::size_t>((dx + reach) * kSub + j)];
+        exposure_.light[static_cast<std::size_t>((y + dy) * exposure_.width_px + x + dx)] += sum;
+      }
+  }
+
+  // Cells of one value each, margin included, all at once: the same sums, taken apart by axis.
+  void add_flat(const std::vector<double>& cells) {
+    const int reach = spread_.reach(), width = exposure_.width_px, height = exposure_.height_px,
+              stride = width + 2 * reach;
+    std::vector<double> whole(static_cast<std::size_t>(2 * reach + 1));
+    for (int d = -reach; d <= reach; ++d)
+      for (int i = 0; i < kSub; ++i) whole[static_cast<std::size_t>(d + reach)] += spread_.weight(d, i);
+    std::vector<double> rows(static_cast<std::size_t>((height + 2 * reach) * width));
+    for (int y = 0; y < height + 2 * reach; ++y)
+      for (int x = 0; x < width; ++x) {
+        double sum = 0;
+        for (int d = 0; d <= 2 * reach; ++d)
+          sum += whole[static_cast<std::size_t>(d)] * cells[static_cast<std::size_t>(y * stride + x + d)];
+        rows[static_cast<std::size_t>(y * width + x)] = sum;
+      }
+    for (int d = 0; d <= 2 * reach; ++d)
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+          exposure_.light[static_cast<std::size_t>(y * width + x)] +=
+              whole[static_cast<std::size_t>(d)] * rows[static_cast<std::size_t>((y + d) * width + x)];
+  }
+
+  Exposure take() { return std::move(exposure_); }
+
+ private:
+  const Spread& spread_;
+  Exposure exposure_;
+  std::vector<double> column_;
+};
+
+}  // namespace
+
+Exposure expose(const Scene& scene) {
+  EXPECTS(scene.camera.position_m[1] > 0 && scene.sensor.point_spread_px >= 0);
+  Wall wall(scene);
+  const Spread spread(scene.sensor.point_spread_px);
+  const int margin = spread.reach();
+  const RayGrid rays(scene.lens, scene.camera, margin);
+  const int width = scene.lens.width_px + 2 * margin, height = scene.lens.height_px + 2 * margin;
+  Film film(scene.lens.width_px, scene.lens.height_px, spread);
+  std::vector<double> flat(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  std::array<double, kSub * kSub> samples;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      double& cell = flat[static_cast<std::size_t>(y * width + x)];
+      Spot spot;
+      spot.sample_px = kEdgeReach_px;
+      if (!rays.find_spot(x, y, 0, 0, spot)) {
+        cell = wall.horizon();
+        continue;
+      }
+      cell = wall.light_of_cell(spot);
+      if (!spot.edge_near) continue;
+      cell = 0;
+      for (int j = 0; j < kSub; ++j)
+        for (int i = 0; i < kSub; ++i) {
+          Spot part;
+          part.sample_px = 1.0 / kSub;
+          const bool hit = rays.find_spot(x, y, (i + 0.5) / kSub - 0.5, (j + 0.5) / kSub - 0.5, part);
+          samples[static_cast<std::size_t>(j * kSub + i)] = hit ? wall.light_of_sample(part) : wall.horizon();
+        }
+      film.add(x - margin, y - margin, samples);
+    }
+  film.add_flat(flat);
+  return film.take();
+}
+
+}  // namespace ninedot::test

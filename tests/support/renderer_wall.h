@@ -1,0 +1,58 @@
+#pragma once
+/// What the renderer's rays meet: paint on the wall, the board before it, the light on both.
+///
+/// Along outlines, distances in the wall become distances in pixels through J, the local map of the cell, and the cover
+/// of a sample is that of a straight edge through a square of the sample's size.
+#include <Eigen/Core>
+#include <vector>
+
+#include "tests/support/renderer.h"
+
+namespace ninedot::test {
+
+/// A place on the wall, (X0, Z0), and the size of a sample there.
+struct Spot {
+  Eigen::Vector2d at_m{0, 0};
+  Eigen::Matrix2d per_px = Eigen::Matrix2d::Zero();  ///< J = d(at_m) / d(pixel)
+  double sample_px = 1;                              ///< side of the sample
+  bool edge_near = false;                            ///< set by the wall: an outline crosses the sample
+};
+
+/// The scene, with everything that does not depend on the pixel worked out once. The scene must outlive it.
+class Wall {
+ public:
+  explicit Wall(const Scene& scene);
+
+  /// Where nothing is hit.
+  double horizon() const { return scene_.light.level * scene_.wall.reflectance; }
+
+  /// Light that a whole cell sends to the camera; remembers what is painted there for `light_of_sample`.
+  double light_of_cell(Spot& spot);
+
+  /// Light of a spot inside the last cell.
+  double light_of_sample(Spot& spot) const;
+
+ private:
+  /// Paper, dot or stroke.
+  struct Mark {
+    Eigen::Vector2d middle_m{0, 0};
+    double reach_m = 0;  ///< no part of it is farther from its middle
+    double reflectance = 0;
+    bool round = true;  ///< a disc of radius reach_m; else a rectangle
+    Eigen::Vector2d along{1, 0};
+    double half_length_m = 0, half_width_m = 0;
+
+    double cover_at(Spot& spot) const;
+  };
+  static Mark rectangle(const Eigen::Vector2d& middle_m, const Eigen::Vector2d& along, double length_m, double width_m,
+                        double reflectance);
+  double reflectance_at(Spot& spot) const;
+  double irradiance(Spot& spot) const;
+
+  const Scene& scene_;
+  std::vector<Mark> marks_;        ///< in the order of painting
+  std::vector<const Mark*> near_;  ///< of the last cell
+  Mark board_;
+};
+
+}  // namespace ninedot::test
