@@ -17,7 +17,7 @@ add_library(ninedot_options INTERFACE)
 target_include_directories(ninedot_options INTERFACE ${CMAKE_SOURCE_DIR} ${CMAKE_SOURCE_DIR}/firmware)
 target_compile_options(ninedot_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor
-  -Woverloaded-virtual -Wcast-align -Wnull-dereference -Wdouble-promotion -Wimplicit-fallthrough
+  -Woverloaded-virtual -Wcast-align -Wnull-dereference -Wimplicit-fallthrough
   $<$<BOOL:${NINEDOT_WERROR}>:-Werror>)
 # The expression templates of Eigen make GCC see null dereferences that do not exist.
 target_compile_options(ninedot_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-null-dereference>)

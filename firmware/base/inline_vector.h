@@ -9,10 +9,10 @@
 
 namespace ninedot {
 
-/// T must be trivially copyable and default constructible; elements beyond size() hold stale values.
+/// T must be trivially destructible and default constructible; elements beyond size() hold stale values.
 template <typename T, std::size_t Capacity>
 class InlineVector {
-  static_assert(std::is_trivially_copyable_v<T>);
+  static_assert(std::is_trivially_destructible_v<T>);
 
  public:
   [[nodiscard]] bool try_push_back(const T& value) noexcept {

@@ -21,8 +21,9 @@ struct DotObservation {
 /// The landmark in one picture, dots numbered (index 0..7 = P1..P8, 8 = P9).
 struct LandmarkObservation {
   std::array<DotObservation, kDotCount> dots{};
-  /// Plane to picture, distortion ignored: (u, v, 1) ~ H (X0, Z0, 1) with X0, Z0 in m. Good to about a pixel.
-  Eigen::Matrix3d H_image_plane = Eigen::Matrix3d::Identity();
+  /// Sheet to bearing: (x, y, 1) ~ H (X0, Z0, 1), X0 and Z0 in m, x and y normalised (z = 1) with the lens's distortion
+  /// removed. Good to about a pixel.
+  Eigen::Matrix3d H_ray_plane = Eigen::Matrix3d::Identity();
   int seen_count = 0;
 };
 

@@ -1,0 +1,243 @@
+#include "detect/hypothesis.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "detect/homography.h"
+
+namespace ninedot {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kSlot_rad = kPi / 4;          // between neighbours on the ring
+constexpr double kSlotTolerance_rad = kPi / 16;  // a quarter of a slot: what perspective bends at 75 degrees and 0.5 m
+constexpr double kRadiusTolerance = 0.32;      // of the ring's radius against P9's, the same cause
+constexpr double kAreaTolerance = 2.2;         // factor; blur and perspective at small sizes
+constexpr std::size_t kMaxNeighbours = 24;
+// Of small blobs, measured by grey levels: point spread (0.6 px)^2 and the pixel's own 1/12, in units of the level's pixels.
+constexpr float kBlur_px2 = 0.44F;
+constexpr float kSmallArea_px2 = 120;
+
+/// Turns px into units in which a blob's outline is a circle of radius 1 around it. Cholesky: keeps the orientation.
+class Whitening {
+ public:
+  explicit Whitening(const Blob& blob) noexcept : x_(blob.x_px), y_(blob.y_px) {
+    const auto scale2 = static_cast<float>(1 << (2 * blob.level));
+    const float blur = blob.area_px2 < kSmallArea_px2 * scale2 ? kBlur_px2 * scale2 : 0;
+    const float xx = std::max(blob.xx_px2 - blur, 0.25F * blob.xx_px2);
+    const float yy = std::max(blob.yy_px2 - blur, 0.25F * blob.yy_px2);
+    const float limit = 0.98F * std::sqrt(xx * yy);
+    const float xy = std::clamp(blob.xy_px2, -limit, limit);
+    l00_ = std::sqrt(xx);
+    l10_ = xy / l00_;
+    l11_ = std::sqrt(yy - l10_ * l10_);
+  }
+  /// M = L L^T and a disc of radius r has M = r^2 / 4: hence the half.
+  Eigen::Vector2f operator()(float x_px, float y_px) const noexcept {
+    const float a = (x_px - x_) / l00_;
+    return {0.5F * a, 0.5F * (y_px - y_ - l10_ * a) / l11_};
+  }
+
+ private:
+  float x_, y_, l00_, l10_, l11_;
+};
+
+/// Blobs whose area lies between two bounds: a stretch of the sorted list.
+std::pair<std::size_t, std::size_t> area_range(const BlobList& blobs, double low_px2, double high_px2) noexcept {
+  const auto larger = [](const Blob& blob, double area) { return blob.area_px2 > area; };
+  const Blob* first = std::lower_bound(blobs.begin(), blobs.end(), high_px2, larger);
+  const Blob* last = std::lower_bound(first, blobs.end(), low_px2, larger);
+  return {static_cast<std::size_t>(first - blobs.begin()), static_cast<std::size_t>(last - blobs.begin())};
+}
+
+struct Neighbour {
+  std::int16_t blob;
+  float angle_rad;
+  float radius_error;  // relative
+};
+using NeighbourList = InlineVector<Neighbour, kMaxNeighbours>;
+
+void find_ring_around(const BlobList& blobs, std::size_t centre, const LandmarkGeometry& landmark,
+                      NeighbourList& out) noexcept {
+  const Blob& c = blobs[centre];
+  const Whitening whiten(c);
+  const double area_ratio = std::pow(landmark.dot_radius_m / landmark.centre_radius_m, 2);
+  const auto ring = static_cast<float>(landmark.ring_radius_m / landmark.centre_radius_m);
+  const float reach_px = c.semi_major_px() * ring * static_cast<float>(1 + kRadiusTolerance);
+  const auto [first, last] = area_range(blobs, c.area_px2 * area_ratio / kAreaTolerance, c.area_px2 * area_ratio * kAreaTolerance);
+  out.clear();
+  for (std::size_t i = first; i < last; ++i) {
+    if (std::abs(blobs[i].x_px - c.x_px) > reach_px || std::abs(blobs[i].y_px - c.y_px) > reach_px) continue;
+    const Eigen::Vector2f n = whiten(blobs[i].x_px, blobs[i].y_px);
+    const float error = n.norm() / ring - 1;
+    if (std::abs(error) > static_cast<float>(kRadiusTolerance)) continue;
+    if (!out.try_push_back({static_cast<std::int16_t>(i), std::atan2(n.y(), n.x()), error})) return;
+  }
+}
+
+double wrap(double angle_rad, double period_rad) noexcept { return angle_rad - period_rad * std::round(angle_rad / period_rad); }
+
+/// Numbers the neighbours by eight-fold symmetry, the first fitting phase that most agree with. \return dots numbered
+int number_neighbours(const NeighbourList& neighbours, Hypothesis& hypothesis) noexcept {
+  int best = 0;
+  for (const Neighbour& reference : neighbours) {
+    std::array<std::int16_t, kDotCount> blob;
+    blob.fill(-1);
+    std::array<float, kRingDotCount> cost{};
+    int count = 0;
+    for (const Neighbour& n : neighbours) {
+      const double turn_rad = n.angle_rad - reference.angle_rad;
+      const double off_rad = wrap(turn_rad, kSlot_rad);
+      if (std::abs(off_rad) > kSlotTolerance_rad) continue;
+      const auto slot = static_cast<std::size_t>((static_cast<int>(std::lround((turn_rad - off_rad) / kSlot_rad)) + 16) % 8);
+      const float c = std::abs(n.radius_error) + std::abs(static_cast<float>(off_rad));
+      if (blob[slot] >= 0 && cost[slot] <= c) continue;
+      if (blob[slot] < 0) ++count;
+      blob[slot] = n.blob;
+      cost[slot] = c;
+    }
+    if (count > best) best = count, hypothesis.blob = blob;
+  }
+  return best;
+}
+
+std::size_t collect_matches(const BlobList& blobs, const LandmarkGeometry& landmark, const Hypothesis& hypothesis,
+                            std::array<PlaneMatch, kDotCount>& matches) noexcept {
+  std::size_t count = 0;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    if (hypothesis.blob[dot] < 0) continue;
+    const Blob& blob = blobs[static_cast<std::size_t>(hypothesis.blob[dot])];
+    matches[count++] = {landmark.centre_m(dot), Eigen::Vector2d(blob.x_px, blob.y_px)};
+  }
+  return count;
+}
+
+bool fit(const BlobList& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis) noexcept {
+  std::array<PlaneMatch, kDotCount> matches;
+  const std::size_t count = collect_matches(blobs, landmark, hypothesis, matches);
+  return count >= 3 && fit_homography(std::span(matches).first(count), hypothesis.H_px_plane);
+}
+
+/// Guesses that found the same dots say the same.
+bool is_known(const HypothesisList& list, const Hypothesis& candidate) noexcept {
+  return std::any_of(list.begin(), list.end(), [&](const Hypothesis& known) {
+    int common = 0;
+    for (const std::int16_t blob : candidate.blob)
+      if (blob >= 0) common += std::count(known.blob.begin(), known.blob.end(), blob) > 0;
+    return common == candidate.matched && known.matched >= candidate.matched;
+  });
+}
+
+void keep(const BlobList& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis, HypothesisList& out) noexcept {
+  if (!attach_blobs(blobs, landmark, hypothesis) || hypothesis.matched < 4 || is_known(out, hypothesis)) return;
+  if (out.try_push_back(hypothesis)) return;
+  Hypothesis* worst = std::min_element(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.matched < b.matched; });
+  if (worst->matched < hypothesis.matched) *worst = hypothesis;
+}
+
+}  // namespace
+
+void sort_by_area(BlobList& blobs) noexcept {
+  std::sort(blobs.begin(), blobs.end(), [](const Blob& a, const Blob& b) { return a.area_px2 > b.area_px2; });
+}
+
+bool attach_blobs(const BlobList& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis) noexcept {
+  constexpr double kReach = 0.5;        // of the dot's radius
+  constexpr double kAreaFactor = 1.7;
+  for (int round = 0; round < 2; ++round) {
+    hypothesis.matched = 0;
+    for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+      hypothesis.blob[dot] = -1;
+      const Eigen::Vector2d at_px = map_point(hypothesis.H_px_plane, landmark.centre_m(dot));
+      const Eigen::Matrix2d J = jacobian_of_map(hypothesis.H_px_plane, landmark.centre_m(dot));
+      const double det = J.determinant();
+      if (!(det > 0)) return false;  // seen from behind, or across the horizon
+      const Eigen::Matrix2d J_inverse = J.inverse();
+      const double radius_m = landmark.radius_m(dot);
+      const double area_px2 = kPi * radius_m * radius_m * det;
+      const double reach_px = kReach * radius_m * J.norm();
+      const auto [first, last] = area_range(blobs, area_px2 / kAreaFactor, area_px2 * kAreaFactor);
+      double nearest = kReach;
+      for (std::size_t i = first; i < last; ++i) {
+        const Eigen::Vector2d off_px(blobs[i].x_px - at_px.x(), blobs[i].y_px - at_px.y());
+        if (std::abs(off_px.x()) > reach_px || std::abs(off_px.y()) > reach_px) continue;
+        const double distance = (J_inverse * off_px).norm() / radius_m;
+        if (distance < nearest) nearest = distance, hypothesis.blob[dot] = static_cast<std::int16_t>(i);
+      }
+      hypothesis.matched += hypothesis.blob[dot] >= 0;
+    }
+    if (!fit(blobs, landmark, hypothesis)) return false;
+  }
+  return true;
+}
+
+void guess_from_centre(const BlobList& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept {
+  constexpr float kMinArea_px2 = 8;  // P9 at 9 m and 720 px
+  NeighbourList neighbours;
+  for (std::size_t centre = 0; centre < blobs.size() && blobs[centre].area_px2 >= kMinArea_px2; ++centre) {
+    find_ring_around(blobs, centre, landmark, neighbours);
+    if (neighbours.size() < 3) continue;
+    Hypothesis hypothesis;
+    if (number_neighbours(neighbours, hypothesis) < 3) continue;
+    hypothesis.blob[kCentreDot] = static_cast<std::int16_t>(centre);
+    if (fit(blobs, landmark, hypothesis)) keep(blobs, landmark, hypothesis, out);
+  }
+}
+
+void guess_from_ring(const BlobList& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept {
+  constexpr float kMinArea_px2 = 5;
+  constexpr double kAreaFactor = 1.7;
+  constexpr std::size_t kNearest = 8;
+  const double spacing = 2 * std::sin(kSlot_rad / 2) * landmark.ring_radius_m / landmark.dot_radius_m;
+  Eigen::Matrix2d plane;
+  plane << landmark.centre_m(7) - landmark.centre_m(0), landmark.centre_m(1) - landmark.centre_m(0);
+  const Eigen::Matrix2d plane_inverse = plane.inverse();
+
+  struct Near {
+    std::int16_t blob;
+    float distance;
+  };
+  for (std::size_t middle = 0; middle < blobs.size() && blobs[middle].area_px2 >= kMinArea_px2; ++middle) {
+    const Blob& m = blobs[middle];
+    const Whitening whiten(m);
+    InlineVector<Near, kNearest> near;
+    const float reach_px = m.semi_major_px() * static_cast<float>(1.5 * spacing);
+    const auto [first, last] = area_range(blobs, m.area_px2 / kAreaFactor, m.area_px2 * kAreaFactor);
+    for (std::size_t i = first; i < last; ++i) {
+      if (i == middle || std::abs(blobs[i].x_px - m.x_px) > reach_px || std::abs(blobs[i].y_px - m.y_px) > reach_px) continue;
+      const float distance = whiten(blobs[i].x_px, blobs[i].y_px).norm() / static_cast<float>(spacing);
+      if (distance < 0.6F || distance > 1.5F) continue;
+      const Near candidate{static_cast<std::int16_t>(i), std::abs(distance - 1)};
+      if (near.try_push_back(candidate)) continue;
+      Near* worst = std::max_element(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.distance < b.distance; });
+      if (candidate.distance < worst->distance) *worst = candidate;
+    }
+    for (const Near& before : near) {
+      for (const Near& after : near) {
+        if (before.blob == after.blob) continue;
+        const Blob& a = blobs[static_cast<std::size_t>(before.blob)];
+        const Blob& c = blobs[static_cast<std::size_t>(after.blob)];
+        Eigen::Matrix2d seen;
+        seen << a.x_px - m.x_px, c.x_px - m.x_px, a.y_px - m.y_px, c.y_px - m.y_px;
+        const Eigen::Matrix2d J = seen * plane_inverse;
+        const double det = J.determinant();
+        const double area_px2 = kPi * landmark.dot_radius_m * landmark.dot_radius_m * det;
+        if (!(area_px2 > m.area_px2 / kAreaFactor && area_px2 < m.area_px2 * kAreaFactor)) continue;
+        // The shape too: the trace of M^-1 M' is 2 when the predicted ellipse is the blob's own.
+        const Eigen::Matrix2d predicted = J * J.transpose() * (landmark.dot_radius_m * landmark.dot_radius_m / 4);
+        const double blob_det = static_cast<double>(m.xx_px2) * m.yy_px2 - static_cast<double>(m.xy_px2) * m.xy_px2;
+        const double trace = (m.yy_px2 * predicted(0, 0) - 2 * m.xy_px2 * predicted(0, 1) + m.xx_px2 * predicted(1, 1)) / blob_det;
+        if (trace > 3.4) continue;
+        Hypothesis hypothesis;
+        hypothesis.H_px_plane.setIdentity();
+        hypothesis.H_px_plane.topLeftCorner<2, 2>() = J;
+        hypothesis.H_px_plane.topRightCorner<2, 1>() = Eigen::Vector2d(m.x_px, m.y_px) - J * landmark.centre_m(0);
+        keep(blobs, landmark, hypothesis, out);
+      }
+    }
+  }
+}
+
+}  // namespace ninedot

@@ -1,0 +1,187 @@
+#include "detect/verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "detect/homography.h"
+
+// Light changes across the sheet and shadows cut through it, so brightness is only ever compared with brightness close by:
+// outside against inside of one outline, in one direction. A shadow scales both by the same factor.
+
+namespace ninedot {
+namespace {
+
+constexpr int kDirections = 16;
+constexpr double kMinContrast_lsb = 5;
+constexpr double kMinShare = 0.35;     // of the landmark's typical contrast, scaled by the local light
+constexpr float kSeen = 0.75F;         // of an outline: the dot is there, whole
+constexpr float kPartly = 0.30F;       // a dot that something hides in part
+constexpr double kMinPaper = 0.75;     // of the samples between the dots
+
+struct Sides {
+  bool inside_picture = false;
+  double out = 0, in = 0;
+};
+
+std::optional<double> sample(const ImageView& luma, const Eigen::Vector2d& px) noexcept {
+  const double x = std::floor(px.x()), y = std::floor(px.y());
+  if (!(x >= 0 && y >= 0 && x + 1 < luma.width_px && y + 1 < luma.height_px)) return std::nullopt;
+  const auto ix = static_cast<int>(x), iy = static_cast<int>(y);
+  const double fx = px.x() - x, fy = px.y() - y;
+  return (1 - fy) * ((1 - fx) * luma.at(ix, iy) + fx * luma.at(ix + 1, iy)) +
+         fy * ((1 - fx) * luma.at(ix, iy + 1) + fx * luma.at(ix + 1, iy + 1));
+}
+
+class Evidence {
+ public:
+  Evidence(const ImageView& luma, const LandmarkGeometry& landmark, const Hypothesis& hypothesis, double noise_lsb) noexcept
+      : luma_(luma), landmark_(landmark), H_(hypothesis.H_px_plane), noise_lsb_(noise_lsb) {
+    for (std::size_t dot = 0; dot < kDotCount; ++dot) look_at_outline(dot);
+    find_typical_contrast();
+  }
+
+  Verification judge() const noexcept {
+    Verification v;
+    int whole = 0, partly = 0;
+    for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+      v.visible_fraction[dot] = visible_fraction(dot);
+      v.score += v.visible_fraction[dot] * (dot == kCentreDot ? 2 : 1);
+      if (dot == kCentreDot) continue;
+      whole += v.visible_fraction[dot] >= kSeen;
+      partly += v.visible_fraction[dot] >= kPartly && v.visible_fraction[dot] < kSeen;
+    }
+    const float centre = v.visible_fraction[kCentreDot];
+    const bool enough = (centre >= kSeen && whole >= 3) || (centre >= kPartly && whole >= 3 && whole + partly >= 4) || whole >= 5;
+    v.accepted = enough && typical_lsb_ >= std::max(kMinContrast_lsb, 1.2 * noise_lsb_) && paper_is_blank() &&
+                 !centre_is_absent(centre) && absent_ring_dots(v) <= 2;
+    return v;
+  }
+
+ private:
+  Eigen::Vector2d plane_point(std::size_t dot, int direction, double radius_m) const noexcept {
+    const double a_rad = direction * 2 * std::numbers::pi / kDirections;
+    return landmark_.centre_m(dot) + radius_m * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad));
+  }
+
+  /// Both sides of the outline, 1.2 px or a quarter of the radius away from it, whatever is more.
+  void look_at_outline(std::size_t dot) noexcept {
+    const Eigen::Matrix2d J = jacobian_of_map(H_, landmark_.centre_m(dot));
+    const double radius_m = landmark_.radius_m(dot);
+    for (int d = 0; d < kDirections; ++d) {
+      const Eigen::Vector2d outward_px = J * (plane_point(dot, d, 1) - landmark_.centre_m(dot));
+      const double px_per_m = outward_px.norm();
+      const double step_m = std::max(1.2 / px_per_m, 0.25 * radius_m);
+      const auto out = sample(luma_, map_point(H_, plane_point(dot, d, radius_m + step_m)));
+      const auto in = sample(luma_, map_point(H_, plane_point(dot, d, std::max(radius_m - step_m, 0.0))));
+      if (out && in) sides_[dot][static_cast<std::size_t>(d)] = {true, *out, *in};
+    }
+  }
+
+  void find_typical_contrast() noexcept {
+    InlineVector<double, kDotCount * kDirections> contrasts, papers;
+    for (const auto& dot : sides_) {
+      for (const Sides& s : dot) {
+        if (!s.inside_picture || s.out - s.in < kMinContrast_lsb) continue;
+        (void)contrasts.try_push_back(s.out - s.in);
+        (void)papers.try_push_back(s.out);
+      }
+    }
+    if (contrasts.empty()) return;
+    const auto middle = static_cast<std::ptrdiff_t>(contrasts.size() / 2);
+    std::nth_element(contrasts.begin(), contrasts.begin() + middle, contrasts.end());
+    std::nth_element(papers.begin(), papers.begin() + middle, papers.end());
+    typical_lsb_ = contrasts[static_cast<std::size_t>(middle)];
+    paper_lsb_ = papers[static_cast<std::size_t>(middle)];
+  }
+
+  /// The contrast that an outline must show where its paper has this brightness.
+  double expected_lsb(double paper_lsb) const noexcept {
+    return typical_lsb_ * std::clamp(paper_lsb / std::max(paper_lsb_, 1.0), 0.3, 1.5);
+  }
+
+  bool is_edge(const Sides& s) const noexcept {
+    return s.inside_picture && s.out - s.in > std::max(kMinContrast_lsb, kMinShare * expected_lsb(s.out));
+  }
+
+  float visible_fraction(std::size_t dot) const noexcept {
+    const auto edges = std::count_if(sides_[dot].begin(), sides_[dot].end(), [this](const Sides& s) { return is_edge(s); });
+    return static_cast<float>(edges) / kDirections;
+  }
+
+  double mean_inside(std::size_t dot) const noexcept {
+    double sum = 0;
+    int count = 0;
+    for (const Sides& s : sides_[dot])
+      if (s.inside_picture) sum += s.in, ++count;
+    return count > 0 ? sum / count : 0;
+  }
+
+  /// Between P9 and the ring, and between neighbours of the ring, there is paper: brighter than the dots on either side.
+  bool paper_is_blank() const noexcept {
+    int asked = 0, blank = 0;
+    const auto ask = [&](const Eigen::Vector2d& plane_m, double ink_lsb) {
+      const auto paper = sample(luma_, map_point(H_, plane_m));
+      if (!paper) return;
+      ++asked;
+      blank += *paper - ink_lsb > kMinShare * expected_lsb(*paper);
+    };
+    const double between_m = 0.5 * (landmark_.centre_radius_m + landmark_.ring_radius_m - landmark_.dot_radius_m);
+    for (int d = 0; d < kDirections; ++d) {
+      const Sides& s = sides_[kCentreDot][static_cast<std::size_t>(d)];
+      if (is_edge(s)) ask(plane_point(kCentreDot, d, between_m), s.in);
+    }
+    for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
+      const std::size_t next = (dot + 1) % kRingDotCount;
+      if (visible_fraction(dot) < kSeen || visible_fraction(next) < kSeen) continue;
+      ask((landmark_.centre_m(dot) + landmark_.centre_m(next)) / 2, std::max(mean_inside(dot), mean_inside(next)));
+    }
+    return asked == 0 || blank >= kMinPaper * asked;
+  }
+
+  /// Blank paper where a dot should be: as bright inside as outside, all around.
+  bool is_blank(std::size_t dot) const noexcept {
+    int asked = 0, blank = 0;
+    for (const Sides& s : sides_[dot]) {
+      if (!s.inside_picture) continue;
+      ++asked;
+      blank += std::abs(s.out - s.in) < 0.25 * expected_lsb(s.out) && s.in > paper_lsb_ - 0.4 * typical_lsb_;
+    }
+    return asked > kDirections / 2 && blank > 0.8 * asked;
+  }
+
+  bool centre_is_absent(float centre_fraction) const noexcept {
+    if (centre_fraction >= kPartly) return false;
+    int ring_whole = 0;
+    for (std::size_t dot = 0; dot < kRingDotCount; ++dot) ring_whole += visible_fraction(dot) >= kSeen;
+    // Something that hides P9 and none of the eight around it is less likely than another kind of ring.
+    return is_blank(kCentreDot) || ring_whole >= 7;
+  }
+
+  int absent_ring_dots(const Verification& v) const noexcept {
+    int absent = 0;
+    for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
+      // Hidden dots come in a row, beside a hidden or partly hidden one. A blank between two whole dots is absent.
+      const float before = v.visible_fraction[(dot + 7) % 8], after = v.visible_fraction[(dot + 1) % 8];
+      absent += v.visible_fraction[dot] < kPartly && is_blank(dot) && before >= kSeen && after >= kSeen;
+    }
+    return absent;
+  }
+
+  const ImageView& luma_;
+  const LandmarkGeometry& landmark_;
+  const Eigen::Matrix3d& H_;
+  double noise_lsb_;
+  double typical_lsb_ = 0, paper_lsb_ = 0;
+  std::array<std::array<Sides, kDirections>, kDotCount> sides_{};
+};
+
+}  // namespace
+
+Verification verify_landmark(const ImageView& luma, const LandmarkGeometry& landmark, const Hypothesis& hypothesis,
+                             double noise_lsb) noexcept {
+  return Evidence(luma, landmark, hypothesis, noise_lsb).judge();
+}
+
+}  // namespace ninedot

@@ -1,0 +1,22 @@
+#pragma once
+/// Whether the grey levels agree that a landmark is where a hypothesis says.
+#include <array>
+
+#include "detect/hypothesis.h"
+#include "image/image_view.h"
+
+namespace ninedot {
+
+struct Verification {
+  bool accepted = false;
+  double score = 0;                                  ///< to compare hypotheses: dots' worth of outline that is there
+  std::array<float, kDotCount> visible_fraction{};   ///< of each outline: dark inside, bright outside
+};
+
+/// Looks at both sides of all nine outlines, at the paper between the dots, and at whether what is missing is hidden
+/// (something else is there) or absent (blank paper is there: then it is a ring of other dots).
+/// Memory: none. Threads: pure.
+Verification verify_landmark(const ImageView& luma, const LandmarkGeometry& landmark, const Hypothesis& hypothesis,
+                             double noise_lsb) noexcept;
+
+}  // namespace ninedot

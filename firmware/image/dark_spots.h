@@ -1,0 +1,35 @@
+#pragma once
+/// Pixels that are dark against everything around them, whatever the light: a black top-hat with a local threshold.
+///
+/// The closing of a picture (dilation, then erosion, by a square) fills every dark spot narrower than the square with the
+/// darkest of its surroundings, and follows slopes and the edges of hard shadows exactly, since those are wider. Halfway
+/// between the closing (paper) and the local minimum (ink) is the outline of a spot. Serra, "Image Analysis and
+/// Mathematical Morphology", 1982, chapter 12. Paper and ink are found at half the size: they vary slowly.
+#include <cstdint>
+#include <vector>
+
+#include "image/image_view.h"
+#include "image/pyramid.h"
+
+namespace ninedot {
+
+/// Threshold of every second pixel in both directions; 0 where the contrast is too low for a spot.
+/// Memory: the constructor's. Threads: one caller.
+class SpotThreshold {
+ public:
+  /// Side of the closing's square in pixels of the half-size picture: spots up to twice that many pixels of the full one.
+  static constexpr int kSquare_px = 12;
+
+  SpotThreshold(int max_half_width_px, int max_half_height_px);
+
+  /// \param half  the picture at half its size
+  /// \param min_contrast_lsb  between paper and ink, grey levels
+  /// \return  threshold picture of the size of `half`, valid until the next call
+  const ImageBuffer& compute(const ImageView& half, int min_contrast_lsb) noexcept;
+
+ private:
+  ImageBuffer scratch_, dilated_, closed_, eroded_;
+  ImageBuffer strip_[4];
+};
+
+}  // namespace ninedot
