@@ -65,6 +65,12 @@ std::string_view reason_text(std::uint32_t code) noexcept {
   return "unknown reason (a newer service?)";
 }
 
+RegisterReader make_reader(const RegisterBlock& registers) noexcept {
+  constexpr double kProbe = 123456;  // what register probe_float always shows
+  if (RegisterReader(registers).value(reg::kProbeFloat) == kProbe) return RegisterReader(registers);
+  return RegisterReader(registers, {.float_word_order = WordOrder::kLowFirst});
+}
+
 std::string status_line(const RegisterReader& r) {
   Text text;
   if (r.status(status_bit::kValid)) {
@@ -112,6 +118,7 @@ std::string status_json(const RegisterReader& r) {
   Text text;
   add(text, "{{\"reason_text\":\"{}\"", reason_text(r.integer(reg::kReason)));
   for (const RegisterEntry& entry : kRegisterMap) {
+    if (entry.scale_is_configured) continue;  // a client does not know the scale; the 32-bit values say the same
     add(text, ",\"{}\":", entry.name);
     if (entry.address == reg::kStatus || entry.address == reg::kHealthFlags) {
       add_bit_names(text, r.integer(entry.address), entry.address == reg::kStatus ? kStatusBits : kHealthBits);
