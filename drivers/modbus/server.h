@@ -1,0 +1,43 @@
+#pragma once
+/// The Modbus side of the service: TCP, RTU or both, from two mailboxes.
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "base/latest_value.h"
+#include "drivers/modbus/command.h"
+#include "drivers/modbus/counters.h"
+#include "drivers/modbus/options.h"
+#include "drivers/modbus/register_bank.h"
+#include "drivers/modbus/rtu_server.h"
+#include "drivers/modbus/tcp_server.h"
+#include "proto/report.h"
+
+namespace ninedot {
+
+/// Serves from construction to destruction, in a thread of its own per transport; the frame loop only ever publishes
+/// into the mailboxes. The mailboxes must outlive it.
+class ModbusServer {
+ public:
+  /// Throws StartupError where an address or a serial line can't be used; see TcpServer and RtuServer.
+  ModbusServer(const LatestValue<Report>& reports, const LatestValue<Health>& health, const ModbusOptions& options);
+
+  /// The port that TCP listens on, 0 without TCP.
+  std::uint16_t tcp_port() const noexcept { return tcp_ ? tcp_->port() : 0; }
+
+  /// Who is connected now; a serial line that has brought a request counts as a client.
+  std::vector<ConnectedClient> clients() const;
+  ModbusCounters counters() const noexcept;
+
+  /// What a client asks for, at most one thing at a time. Threads: one caller.
+  std::optional<ClientCommand> try_take_command() noexcept { return bank_.try_take_command(); }
+  /// To be told for each command taken, unless it is from a watchdog.
+  void finish_command(std::uint16_t sequence, bool succeeded) noexcept { bank_.finish_command(sequence, succeeded); }
+
+ private:
+  RegisterBank bank_;
+  std::optional<TcpServer> tcp_;
+  std::optional<RtuServer> rtu_;
+};
+
+}  // namespace ninedot

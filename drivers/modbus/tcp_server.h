@@ -1,0 +1,59 @@
+#pragma once
+/// Modbus TCP: one thread serves all clients from poll(), and never waits for any of them.
+#include <poll.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "drivers/modbus/counters.h"
+#include "drivers/modbus/file_descriptor.h"
+#include "drivers/modbus/options.h"
+#include "drivers/modbus/peer_filter.h"
+#include "drivers/modbus/register_bank.h"
+#include "drivers/modbus/tcp_connection.h"
+
+namespace ninedot {
+
+/// Listens from construction to destruction. The bank must outlive it.
+class TcpServer {
+ public:
+  /// Throws StartupError naming the address: kWrongUsage where it is none, kWorkFailed where it can't be listened on.
+  TcpServer(RegisterBank& bank, const ModbusTcpOptions& options);
+  ~TcpServer();
+  TcpServer(const TcpServer&) = delete;
+  TcpServer& operator=(const TcpServer&) = delete;
+
+  std::uint16_t port() const noexcept { return port_; }
+  void append_clients(std::vector<ConnectedClient>& clients) const;
+  void add_to(ModbusCounters& counters) const noexcept;
+
+ private:
+  void run() noexcept;
+  int poll_once() noexcept;
+  void serve_round() noexcept;
+  void accept_clients(MonoTime now) noexcept;
+  bool make_room(MonoTime now) noexcept;
+  void drop(std::size_t index) noexcept;
+  void drop_expired(MonoTime now) noexcept;
+
+  RegisterBank& bank_;
+  const ModbusTcpOptions options_;
+  const PeerFilter filter_;
+  FileDescriptor listener_;
+  std::uint16_t port_ = 0;
+  WakeUp stop_;
+
+  std::vector<pollfd> polled_;  // stop, listener, then the clients in their order; the thread's own
+  MonoTime accept_again_at_{};  // the system was out of descriptors
+
+  mutable std::mutex mutex_;  // guards clients_; never held while waiting
+  std::vector<std::unique_ptr<TcpConnection>> clients_;
+  std::atomic<std::uint64_t> accepted_{0}, refused_{0}, expired_{0};
+  std::thread thread_;
+};
+
+}  // namespace ninedot
