@@ -1,0 +1,77 @@
+#pragma once
+/// Picture files: PNG, PNM (PGM and PPM) and JPEG into memory that the caller owns, and PNG out again.
+///
+/// Luma of a colour picture: ITU-R BT.601, Y = 0.299 R + 0.587 G + 0.114 B, rounded; JPEG stores that very Y, which is
+/// taken as it is. Alpha is ignored. No gamma correction: the grey levels are the file's own.
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "image/image_view.h"
+
+namespace ninedot {
+
+/// Wider or higher pictures are refused: a damaged header must not ask for gigabytes.
+inline constexpr int kMaxPictureSide_px = 8192;
+
+struct PictureSize {
+  int width_px = 0;
+  int height_px = 0;
+
+  std::size_t pixel_count() const noexcept {
+    return static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
+  }
+  friend bool operator==(const PictureSize&, const PictureSize&) = default;
+};
+
+/// BT.601 luma with 16-bit fixed-point weights that sum to one: white stays 255, rounded to nearest.
+constexpr std::uint8_t luma_from_rgb(std::uint8_t r, std::uint8_t g, std::uint8_t b) noexcept {
+  return static_cast<std::uint8_t>((19595U * r + 38470U * g + 7471U * b + 32768U) >> 16U);
+}
+
+/// Decodes one picture after the other.
+/// Memory: the constructor allocates what is ours; libpng and libturbojpeg allocate inside their calls, so a thread
+/// that must not allocate lets another one decode. Threads: one caller.
+class PictureDecoder {
+ public:
+  /// \param size  the one size of all pictures to come
+  explicit PictureDecoder(PictureSize size);
+  ~PictureDecoder();
+  PictureDecoder(const PictureDecoder&) = delete;
+  PictureDecoder& operator=(const PictureDecoder&) = delete;
+
+  /// \param file  the whole file; its kind is told from its first bytes
+  /// \param luma  size.pixel_count() bytes, rows without gaps (contract); undefined after a failure
+  /// \param rgb  three times that for R, G, B of each pixel, or empty when not wanted
+  /// \error kFrameUnreadable: truncated, damaged, or not an 8-bit PNG, PNM or JPEG. kFrameSize: of another size.
+  Result<PictureSize> decode(std::span<const std::uint8_t> file, std::span<std::uint8_t> luma,
+                             std::span<std::uint8_t> rgb = {}) noexcept;
+
+ private:
+  PictureSize size_;
+  std::unique_ptr<std::uint8_t[]> scratch_rgb_;
+  void* jpeg_ = nullptr;  ///< tjhandle, a void* in turbojpeg.h as well
+};
+
+/// Size from the header alone.
+/// \error kFrameUnreadable: no header that we know, or a side beyond kMaxPictureSide_px.
+Result<PictureSize> read_picture_size(std::span<const std::uint8_t> file) noexcept;
+
+/// A PNG file of 8-bit grey pixels, replacing the contents of `file` (whose capacity is reused).
+/// \error kIo with ENOMEM: libpng could not allocate.
+Result<std::size_t> encode_png_grey(const ImageView& luma, std::vector<std::uint8_t>& file);
+
+/// The same for R, G, B of each pixel, rows without gaps. \param rgb  3 * size.pixel_count() bytes (contract)
+Result<std::size_t> encode_png_rgb(std::span<const std::uint8_t> rgb, PictureSize size,
+                                   std::vector<std::uint8_t>& file);
+
+/// Writes an overlay: temporary name, then renamed. \error kIo with errno.
+Result<std::size_t> write_png_rgb(const std::string& path, std::span<const std::uint8_t> rgb, PictureSize size);
+/// The same for 8-bit grey.
+Result<std::size_t> write_png_grey(const std::string& path, const ImageView& luma);
+
+}  // namespace ninedot

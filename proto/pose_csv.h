@@ -1,0 +1,48 @@
+#pragma once
+/// Poses as text: the CSV of `ninedot replay --out`, and the TUM trajectory format that evaluation tools read.
+///
+/// CSV: a header, then one row for each landmark that was found in a frame. mm and degrees; the pose is that of the
+/// camera in the landmark's frame S0, the quaternion rotates camera vectors into it (w >= 0).
+///
+/// | column | unit | what |
+/// |---|---|---|
+/// | frame | | the recording's frame number |
+/// | timestamp_ns | ns | middle of the exposure, on the recording's clock |
+/// | landmark_id | | 0 for the black-and-white landmark unless configured |
+/// | x_mm y_mm z_mm | mm | optical centre |
+/// | qw qx qy qz | | orientation |
+/// | psi_deg phi_deg theta_deg | deg | swing, tilt and pan of the founding paper |
+/// | distance_mm | mm | from the middle of P9 to the optical centre |
+/// | sigma_x_mm sigma_y_mm sigma_z_mm | mm | 1-sigma of x, y, z |
+/// | sigma_rot_deg | deg | 1-sigma of the rotation's angle: root of the sum of its three variances |
+/// | ambiguity | | 0 = the other planar solution is excluded, 1 = both fit alike |
+/// | rms_px | px | residual |
+/// | dots | | dots used, of nine |
+/// | occlusion_level | | 0 nothing hidden, 1..3 as in the founding paper |
+/// | solver | | full, ellipse |
+/// | process_us | us | time that detection and pose took: the one column that differs between two runs |
+///
+/// The text depends on the report alone (no locale, no "-0"): equal reports give equal bytes.
+#include <string>
+#include <string_view>
+
+#include "proto/report.h"
+
+namespace ninedot {
+
+enum class PoseCsvColumns {
+  kAll,
+  kWithoutTime,  ///< no process_us, so that two runs over the same recording give the same bytes
+};
+
+/// First line, with its line feed.
+std::string_view pose_csv_header(PoseCsvColumns columns = PoseCsvColumns::kAll) noexcept;
+
+/// One row with its line feed. \param report  of a frame that shows a landmark (Report::valid; contract)
+std::string format_pose_csv_row(const Report& report, PoseCsvColumns columns = PoseCsvColumns::kAll);
+
+/// "timestamp tx ty tz qx qy qz qw" with its line feed: s, m. Sturm et al., "A benchmark for the evaluation of RGB-D
+/// SLAM systems", IROS 2012. \param report  of a frame that shows a landmark (contract)
+std::string format_tum_row(const Report& report);
+
+}  // namespace ninedot
