@@ -49,7 +49,7 @@ int decimals_for(double sigma) {
   return std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 3);
 }
 
-double sigma_of(const Report& report, std::size_t i) { return std::sqrt(std::max(0.0, report.covariance[7 * i])); }
+double sigma_of(const Report& report, std::size_t i) { return std::sqrt(report.covariance[7 * i]); }
 
 void draw_verdict(cv::Mat& panel, const Report& report, double unit_px) {
   const bool doubtful = report.valid && (report.ambiguous || !report.calibrated);
@@ -66,8 +66,10 @@ void draw_verdict(cv::Mat& panel, const Report& report, double unit_px) {
 void draw_pose_rows(Rows& rows, const Report& report) {
   const char* const names[] = {"x", "y", "z"};
   rows.row("camera", "mm", "1-sigma", kFaint);
+  double largest_sigma_mm = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const double sigma_mm = sigma_of(report, i) * 1e3;
+    largest_sigma_mm = std::fmax(largest_sigma_mm, sigma_mm);
     const int decimals = decimals_for(sigma_mm);
     rows.row(names[i], fmt::format("{:.{}f}", report.camera_in_landmark.position_m[i] * 1e3, decimals),
              fmt::format("{:.{}f}", sigma_mm, decimals));
@@ -76,7 +78,7 @@ void draw_pose_rows(Rows& rows, const Report& report) {
       kDegPerRad * std::hypot(sigma_of(report, 3), sigma_of(report, 4), sigma_of(report, 5));
   rows.row("rotation", "", fmt::format("{:.{}f} deg", sigma_rotation_deg, decimals_for(sigma_rotation_deg)));
   rows.gap();
-  rows.row("distance", fmt::format("{:.1f}", report.distance_m * 1e3), "mm");
+  rows.row("distance", fmt::format("{:.{}f}", report.distance_m * 1e3, decimals_for(largest_sigma_mm)), "mm");
   rows.row("tilt", fmt::format("{:.2f}", report.tilt_phi_rad * kDegPerRad), "deg");
   rows.row("dots used", fmt::format("{} / 9", report.dots_used),
            report.occlusion_level == 0 ? "no occlusion" : fmt::format("occl. level {}", report.occlusion_level),
