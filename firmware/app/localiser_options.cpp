@@ -15,9 +15,10 @@ constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 LocaliserOptions localiser_options(const Config& config) {
   if (config.landmarks.size() > 1)
-    throw StartupError(ExitStatus::kWrongUsage,
-                       "[[landmarks]]: black-and-white landmarks look alike, so that only one can be told from the rest: "
-                       "keep one entry");
+    throw StartupError(
+        ExitStatus::kWrongUsage,
+        "[[landmarks]]: black-and-white landmarks look alike, so that only one can be told from the rest: "
+        "keep one entry");
   LocaliserOptions options;
   options.landmark = {config.landmark.ring_radius_mm * kMetresPerMm, config.landmark.dot_diameter_mm / 2 * kMetresPerMm,
                       config.landmark.centre_diameter_mm / 2 * kMetresPerMm};
@@ -34,8 +35,8 @@ LocaliserOptions localiser_options(const Config& config) {
                          "[[landmarks]]: this version does not read colour codes yet: leave `code` out for a "
                          "black-and-white landmark");
     options.landmark_id = static_cast<std::uint16_t>(landmark.id);
-    options.T_world_landmark = place_upright(Eigen::Vector3d(landmark.x_mm, landmark.y_mm, landmark.z_mm) * kMetresPerMm,
-                                             landmark.heading_deg * kRadPerDeg);
+    options.T_world_landmark = place_upright(
+        Eigen::Vector3d(landmark.x_mm, landmark.y_mm, landmark.z_mm) * kMetresPerMm, landmark.heading_deg * kRadPerDeg);
   }
   return options;
 }

@@ -37,8 +37,8 @@ std::vector<std::string> reading_commands(const ModbusOptions& options) {
   if (options.tcp) {
     const std::string& listen = options.tcp->listen;
     const bool everywhere = listen == "0.0.0.0" || listen == "::";
-    commands.push_back(fmt::format("mbpoll -m tcp -p {} -a 1 {} {}", options.tcp->port, registers,
-                                   everywhere ? "127.0.0.1" : listen));
+    commands.push_back(
+        fmt::format("mbpoll -m tcp -p {} -a 1 {} {}", options.tcp->port, registers, everywhere ? "127.0.0.1" : listen));
   }
   if (options.rtu) {
     const char* parity = options.rtu->parity == 'E' ? "even" : options.rtu->parity == 'O' ? "odd" : "none";

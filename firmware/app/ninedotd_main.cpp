@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <exception>
+#include <cerrno>
 #include <optional>
 
 #include "app/config.h"
@@ -11,8 +11,8 @@
 #include "app/localiser_options.h"
 #include "app/modbus_options.h"
 #include "app/open_source.h"
+#include "app/program.h"
 #include "app/service_watch.h"
-#include "base/startup_error.h"
 #include "drivers/posix/realtime.h"
 
 namespace ninedot {
@@ -59,27 +59,11 @@ void run_service(const std::string& config_path, bool live) {
 }  // namespace ninedot
 
 int main(int argc, char** argv) {
-  using namespace ninedot;
   CLI::App app{"Camera pose from a nine-dot landmark, over Modbus.", "ninedotd"};
   std::string config_path;
   bool live = false;
-  app.set_version_flag("--version", "ninedotd " NINEDOT_VERSION);
-  app.add_option("--config", config_path, "configuration file; `ninedot check` tells what is wrong with one")->required();
+  app.add_option("--config", config_path, "configuration file; `ninedot check` tells what is wrong with one")
+      ->required();
   app.add_flag("--live", live, "show pose, rate, latency and clients; in a pipe one line a second");
-  try {
-    app.parse(argc, argv);
-    run_service(config_path, live);
-    return static_cast<int>(ExitStatus::kSuccess);
-  } catch (const CLI::Success& help_or_version) {
-    return app.exit(help_or_version);
-  } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "ninedotd: {}: see 'ninedotd --help'\n", error.what());
-    return static_cast<int>(ExitStatus::kWrongUsage);
-  } catch (const StartupError& error) {
-    fmt::print(stderr, "ninedotd: {}\n", error.what());
-    return static_cast<int>(error.status);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "ninedotd: {}\n", error.what());
-    return static_cast<int>(ExitStatus::kWorkFailed);
-  }
+  return ninedot::run_program(app, argc, argv, [&] { ninedot::run_service(config_path, live); });
 }

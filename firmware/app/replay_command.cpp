@@ -53,11 +53,11 @@ CameraModel camera_for(const ReplayArguments& arguments, const Config& config) {
 
 void check_size(const RecordingSource& source, const CameraModel& camera, const std::string& recording) {
   if (source.size() == PictureSize{camera.width_px, camera.height_px}) return;
-  throw StartupError(ExitStatus::kWrongUsage,
-                     fmt::format("{}: its pictures are {}x{}, but the calibration is for {}x{}: give the right one with "
-                                 "--camera FILE",
-                                 recording, source.size().width_px, source.size().height_px, camera.width_px,
-                                 camera.height_px));
+  throw StartupError(
+      ExitStatus::kWrongUsage,
+      fmt::format("{}: its pictures are {}x{}, but the calibration is for {}x{}: give the right one with "
+                  "--camera FILE",
+                  recording, source.size().width_px, source.size().height_px, camera.width_px, camera.height_px));
 }
 
 /// "frame 12 of 70" on a terminal, nothing elsewhere.
@@ -111,9 +111,7 @@ class PoseRows {
   PoseRows(const std::string& path, bool tum) : file_(path), tum_(tum) {
     if (!tum_) file_.write(pose_csv_header());
   }
-  void add(std::uint64_t frame, std::int64_t timestamp_ns, const Report& report) {
-    file_.write(tum_ ? format_pose_tum_row(timestamp_ns, report) : format_pose_csv_row(frame, timestamp_ns, report));
-  }
+  void add(const Report& report) { file_.write(tum_ ? format_tum_row(report) : format_pose_csv_row(report)); }
   void finish() { file_.finish(); }
 
  private:
@@ -141,11 +139,10 @@ class RecordedTimes {
   RecordedTimes(const std::string& recording, bool needed) {
     if (needed) frames_ = read_recording_index(recording).frames;
   }
-  std::int64_t of(const FrameLease& frame) const {
-    if (frames_.empty()) return to_ns(frame.exposed_at);
+  MonoTime of(const FrameLease& frame) const {
     const auto at = std::lower_bound(frames_.begin(), frames_.end(), frame.frame_number,
                                      [](const RecordedFrame& f, std::uint64_t number) { return f.number < number; });
-    return at == frames_.end() ? to_ns(frame.exposed_at) : at->recorded_at.count();
+    return at == frames_.end() ? frame.exposed_at : MonoTime(at->recorded_at);
   }
 
  private:
@@ -176,19 +173,19 @@ void run_replay(const ReplayArguments& arguments) {
     if (!frame) {
       progress.clear();
       if (!arguments.keep_going)
-        throw StartupError(ExitStatus::kWorkFailed,
-                           fmt::format("{}: repair the recording, or leave such frames out with --keep-going",
-                                       source.last_failure()));
+        throw StartupError(
+            ExitStatus::kWorkFailed,
+            fmt::format("{}: repair the recording, or leave such frames out with --keep-going", source.last_failure()));
       fmt::print(stderr, "ninedot: {}: left out\n", source.last_failure());
       ++counts.unreadable;
       continue;
     }
     counts.dropped += frame->dropped_before;
-    localiser.process(frame->luma, frame->exposed_at, frame->frame_number, report);
+    localiser.process(frame->luma, times.of(*frame), frame->frame_number, report);
     counts.process_us.push_back(std::chrono::duration<double, std::micro>(report.process_time).count());
     if (report.valid) {
       ++counts.found;
-      rows.add(frame->frame_number, times.of(*frame), report);
+      rows.add(report);
     }
     overlay.write(*frame, report, localiser.last_observation());
     progress.show(counts.frames);

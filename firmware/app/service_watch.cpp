@@ -47,9 +47,8 @@ void watch_until_signalled(const TerminationSignals& signals, const RunningServi
     log.note(report, service.frames.last_error(), now);
     if (service.frames.frames_processed() > 0) manager.ready();
     // A source that is over ends on purpose: from then on time itself counts as progress.
-    manager.feed_watchdog(service.frames.over() ? static_cast<std::uint64_t>(to_ns(now))
-                                                : service.frames.frames_processed(),
-                          now);
+    manager.feed_watchdog(
+        service.frames.over() ? static_cast<std::uint64_t>(to_ns(now)) : service.frames.frames_processed(), now);
     if (now - measured_at >= 1s) {
       measured_at = now;
       service.frames.set_temperature(read_board_temperature());

@@ -33,10 +33,11 @@ RegisterBlock read_service(ModbusTcpClient& client, const StatusArguments& argum
     throw StartupError(ExitStatus::kWorkFailed, fmt::format("{} port {}: {}: {}", arguments.host, arguments.port,
                                                             read.error().text, std::strerror(read.error().os_errno)));
   if (!RegisterReader(registers).is_ninedot())
-    throw StartupError(ExitStatus::kWorkFailed,
-                       fmt::format("{} port {}: that is no ninedotd of this version (registers 0 and 1 read {:#06x} and "
-                                   "{}): check --host and --port",
-                                   arguments.host, arguments.port, registers[0], registers[1]));
+    throw StartupError(
+        ExitStatus::kWorkFailed,
+        fmt::format("{} port {}: that is no ninedotd of this version (registers 0 and 1 read {:#06x} and "
+                    "{}): check --host and --port",
+                    arguments.host, arguments.port, registers[0], registers[1]));
   return registers;
 }
 
@@ -58,10 +59,11 @@ void watch(ModbusTcpClient& client, const StatusArguments& arguments) {
 void run_status(const StatusArguments& arguments) {
   Result<ModbusTcpClient> client = ModbusTcpClient::connect(arguments.host, arguments.port, 2s);
   if (!client)
-    throw StartupError(ExitStatus::kWorkFailed,
-                       fmt::format("no service answers at {} port {} ({}): is ninedotd running, with [modbus.tcp] in its "
-                                   "configuration?",
-                                   arguments.host, arguments.port, std::strerror(client.error().os_errno)));
+    throw StartupError(
+        ExitStatus::kWorkFailed,
+        fmt::format("no service answers at {} port {} ({}): is ninedotd running, with [modbus.tcp] in its "
+                    "configuration?",
+                    arguments.host, arguments.port, std::strerror(client.error().os_errno)));
   if (arguments.watch) return watch(*client, arguments);
   const RegisterBlock registers = read_service(*client, arguments);
   const RegisterReader reader = make_reader(registers);

@@ -1,6 +1,6 @@
 #pragma once
-/// The register map in words, for people: shared by `ninedot status` and the live display of `ninedotd`, so that both show
-/// exactly what a controller reads.
+/// The register map in words, for people: shared by `ninedot status` and the live display of `ninedotd`, so that both
+/// show exactly what a controller reads.
 #include <string>
 
 #include "proto/register_codec.h"
