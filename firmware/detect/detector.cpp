@@ -74,7 +74,7 @@ Result<LandmarkObservation> Detector::Workspace::find(const ImageView& luma, con
 bool Detector::Workspace::best_hypothesis(const ImageView& luma, Verification& verification) noexcept {
   bool any = false;
   for (const Hypothesis& hypothesis : hypotheses) {
-    const Verification v = verify_landmark(luma, landmark, hypothesis, finder.noise_lsb());
+    const Verification v = verify_landmark(luma, landmark, blobs, hypothesis, finder.noise_lsb());
     if (!v.accepted || (any && v.score <= verification.score)) continue;
     any = true;
     verification = v;

@@ -52,6 +52,15 @@ std::pair<std::size_t, std::size_t> area_range(const BlobList& blobs, double low
   return {static_cast<std::size_t>(first - blobs.begin()), static_cast<std::size_t>(last - blobs.begin())};
 }
 
+/// 1 where the blob's second moments are the predicted ones, more for another size, axis ratio or direction: half the
+/// trace of M^-1 M' after both are scaled to the same area.
+double shape_mismatch(const Blob& blob, const Eigen::Matrix2d& predicted_px2) noexcept {
+  const double xx = blob.xx_px2, xy = blob.xy_px2, yy = blob.yy_px2;
+  const double det = std::max(xx * yy - xy * xy, 1e-6);
+  const double trace = yy * predicted_px2(0, 0) - 2 * xy * predicted_px2(0, 1) + xx * predicted_px2(1, 1);
+  return 0.5 * trace / std::sqrt(det * std::max(predicted_px2.determinant(), 1e-12));
+}
+
 struct Neighbour {
   std::int16_t blob;
   float angle_rad;
@@ -144,9 +153,12 @@ void sort_by_area(BlobList& blobs) noexcept {
 }
 
 bool attach_blobs(const BlobList& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis) noexcept {
-  constexpr double kReach = 0.5;        // of the dot's radius
-  constexpr double kAreaFactor = 1.7;
-  for (int round = 0; round < 2; ++round) {
+  // Generous while H rests on a guess; then what a fit to all dots leaves: a fifth of the radius, half a pixel for small ones.
+  struct Tolerance {
+    double reach, reach_px, area_factor;
+  };
+  constexpr std::array<Tolerance, 3> kRounds{{{0.5, 0, 1.5}, {0.3, 0.5, 1.4}, {0.2, 0.5, 1.3}}};
+  for (const Tolerance& tolerance : kRounds) {
     hypothesis.matched = 0;
     for (std::size_t dot = 0; dot < kDotCount; ++dot) {
       hypothesis.blob[dot] = -1;
@@ -157,14 +169,18 @@ bool attach_blobs(const BlobList& blobs, const LandmarkGeometry& landmark, Hypot
       const Eigen::Matrix2d J_inverse = J.inverse();
       const double radius_m = landmark.radius_m(dot);
       const double area_px2 = kPi * radius_m * radius_m * det;
-      const double reach_px = kReach * radius_m * J.norm();
-      const auto [first, last] = area_range(blobs, area_px2 / kAreaFactor, area_px2 * kAreaFactor);
-      double nearest = kReach;
+      // Half a pixel of blur or threshold moves a small outline by much of its size.
+      const double slack = tolerance.area_factor + 3 / std::sqrt(area_px2);
+      const auto [first, last] = area_range(blobs, area_px2 / slack, area_px2 * slack);
+      double nearest = tolerance.reach + tolerance.reach_px / std::sqrt(area_px2 / kPi);
+      const double reach_px = nearest * radius_m * J.norm();
+      const Eigen::Matrix2d shape_px2 = J * J.transpose() * (radius_m * radius_m / 4);
       for (std::size_t i = first; i < last; ++i) {
         const Eigen::Vector2d off_px(blobs[i].x_px - at_px.x(), blobs[i].y_px - at_px.y());
         if (std::abs(off_px.x()) > reach_px || std::abs(off_px.y()) > reach_px) continue;
         const double distance = (J_inverse * off_px).norm() / radius_m;
-        if (distance < nearest) nearest = distance, hypothesis.blob[dot] = static_cast<std::int16_t>(i);
+        if (distance < nearest && shape_mismatch(blobs[i], shape_px2) < slack)
+          nearest = distance, hypothesis.blob[dot] = static_cast<std::int16_t>(i);
       }
       hypothesis.matched += hypothesis.blob[dot] >= 0;
     }
@@ -225,11 +241,7 @@ void guess_from_ring(const BlobList& blobs, const LandmarkGeometry& landmark, Hy
         const double det = J.determinant();
         const double area_px2 = kPi * landmark.dot_radius_m * landmark.dot_radius_m * det;
         if (!(area_px2 > m.area_px2 / kAreaFactor && area_px2 < m.area_px2 * kAreaFactor)) continue;
-        // The shape too: the trace of M^-1 M' is 2 when the predicted ellipse is the blob's own.
-        const Eigen::Matrix2d predicted = J * J.transpose() * (landmark.dot_radius_m * landmark.dot_radius_m / 4);
-        const double blob_det = static_cast<double>(m.xx_px2) * m.yy_px2 - static_cast<double>(m.xy_px2) * m.xy_px2;
-        const double trace = (m.yy_px2 * predicted(0, 0) - 2 * m.xy_px2 * predicted(0, 1) + m.xx_px2 * predicted(1, 1)) / blob_det;
-        if (trace > 3.4) continue;
+        if (shape_mismatch(m, J * J.transpose() * (landmark.dot_radius_m * landmark.dot_radius_m / 4)) > kAreaFactor) continue;
         Hypothesis hypothesis;
         hypothesis.H_px_plane.setIdentity();
         hypothesis.H_px_plane.topLeftCorner<2, 2>() = J;

@@ -1,5 +1,6 @@
 #include "detect/verify.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -37,12 +38,12 @@ std::optional<double> sample(const ImageView& luma, const Eigen::Vector2d& px) n
 class Evidence {
  public:
   Evidence(const ImageView& luma, const LandmarkGeometry& landmark, const Hypothesis& hypothesis, double noise_lsb) noexcept
-      : luma_(luma), landmark_(landmark), H_(hypothesis.H_px_plane), noise_lsb_(noise_lsb) {
+      : luma_(luma), landmark_(landmark), hypothesis_(hypothesis), H_(hypothesis.H_px_plane), noise_lsb_(noise_lsb) {
     for (std::size_t dot = 0; dot < kDotCount; ++dot) look_at_outline(dot);
     find_typical_contrast();
   }
 
-  Verification judge() const noexcept {
+  Verification judge(const BlobList& blobs) const noexcept {
     Verification v;
     int whole = 0, partly = 0;
     for (std::size_t dot = 0; dot < kDotCount; ++dot) {
@@ -55,7 +56,7 @@ class Evidence {
     const float centre = v.visible_fraction[kCentreDot];
     const bool enough = (centre >= kSeen && whole >= 3) || (centre >= kPartly && whole >= 3 && whole + partly >= 4) || whole >= 5;
     v.accepted = enough && typical_lsb_ >= std::max(kMinContrast_lsb, 1.2 * noise_lsb_) && paper_is_blank() &&
-                 !centre_is_absent(centre) && absent_ring_dots(v) <= 2;
+                 !centre_is_absent(centre) && isolated_holes(v) <= 1 && 2 * intruders(blobs) <= whole + (centre >= kSeen) - 3;
     return v;
   }
 
@@ -152,25 +153,55 @@ class Evidence {
   }
 
   bool centre_is_absent(float centre_fraction) const noexcept {
-    if (centre_fraction >= kPartly) return false;
-    int ring_whole = 0;
-    for (std::size_t dot = 0; dot < kRingDotCount; ++dot) ring_whole += visible_fraction(dot) >= kSeen;
-    // Something that hides P9 and none of the eight around it is less likely than another kind of ring.
-    return is_blank(kCentreDot) || ring_whole >= 7;
+    if (centre_fraction >= kSeen) return false;
+    if (is_blank(kCentreDot)) return true;
+    // What hides P9's outline in one direction and comes from outside hides the ring's dot in that direction too. Up to
+    // half of the sheet hidden this holds for a straight edge; a little beyond, two directions may break it.
+    int contradictions = 0;
+    for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
+      const Eigen::Vector2d towards = landmark_.centre_m(dot);
+      const double a_rad = std::atan2(towards.y(), towards.x());
+      const auto d = static_cast<std::size_t>((static_cast<int>(std::lround(a_rad * kDirections / (2 * std::numbers::pi))) + kDirections) % kDirections);
+      contradictions += visible_fraction(dot) >= kSeen && sides_[kCentreDot][d].inside_picture && !is_edge(sides_[kCentreDot][d]);
+    }
+    return contradictions >= 3;
   }
 
-  int absent_ring_dots(const Verification& v) const noexcept {
-    int absent = 0;
-    for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
-      // Hidden dots come in a row, beside a hidden or partly hidden one. A blank between two whole dots is absent.
-      const float before = v.visible_fraction[(dot + 7) % 8], after = v.visible_fraction[(dot + 1) % 8];
-      absent += v.visible_fraction[dot] < kPartly && is_blank(dot) && before >= kSeen && after >= kSeen;
+  /// Blobs of a ring dot's size inside the sheet's dotted part that no dot accounts for.
+  int intruders(const BlobList& blobs) const noexcept {
+    const Eigen::Matrix3d plane_from_px = H_.inverse();
+    const double reach_m = landmark_.ring_radius_m + landmark_.dot_radius_m;
+    int count = 0;
+    for (std::size_t i = 0; i < blobs.size(); ++i) {
+      const Blob& blob = blobs[i];
+      const Eigen::Vector2d plane_m = map_point(plane_from_px, Eigen::Vector2d(blob.x_px, blob.y_px));
+      if (!(plane_m.norm() < reach_m)) continue;
+      const double area_px2 =
+          std::numbers::pi * landmark_.dot_radius_m * landmark_.dot_radius_m * jacobian_of_map(H_, plane_m).determinant();
+      if (blob.area_px2 < 0.4 * area_px2 || blob.area_px2 > 2.5 * area_px2) continue;
+      if (std::find(hypothesis_.blob.begin(), hypothesis_.blob.end(), static_cast<int>(i)) != hypothesis_.blob.end()) continue;
+      // The same dot found a second time, or a part of it, is no intruder.
+      bool on_a_dot = false;
+      for (std::size_t dot = 0; dot < kDotCount; ++dot)
+        on_a_dot = on_a_dot || (visible_fraction(dot) >= kPartly && (plane_m - landmark_.centre_m(dot)).norm() < 0.7 * landmark_.radius_m(dot));
+      count += !on_a_dot;
     }
-    return absent;
+    return count;
+  }
+
+  /// Hidden dots come in a row; holes between two whole dots are dirt once, and another pattern twice.
+  static int isolated_holes(const Verification& v) noexcept {
+    int holes = 0;
+    for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
+      const float before = v.visible_fraction[(dot + 7) % 8], after = v.visible_fraction[(dot + 1) % 8];
+      holes += v.visible_fraction[dot] < kSeen / 2 && before >= kSeen && after >= kSeen;
+    }
+    return holes;
   }
 
   const ImageView& luma_;
   const LandmarkGeometry& landmark_;
+  const Hypothesis& hypothesis_;
   const Eigen::Matrix3d& H_;
   double noise_lsb_;
   double typical_lsb_ = 0, paper_lsb_ = 0;
@@ -179,9 +210,9 @@ class Evidence {
 
 }  // namespace
 
-Verification verify_landmark(const ImageView& luma, const LandmarkGeometry& landmark, const Hypothesis& hypothesis,
-                             double noise_lsb) noexcept {
-  return Evidence(luma, landmark, hypothesis, noise_lsb).judge();
+Verification verify_landmark(const ImageView& luma, const LandmarkGeometry& landmark, const BlobList& blobs,
+                             const Hypothesis& hypothesis, double noise_lsb) noexcept {
+  return Evidence(luma, landmark, hypothesis, noise_lsb).judge(blobs);
 }
 
 }  // namespace ninedot
