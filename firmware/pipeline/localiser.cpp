@@ -15,7 +15,9 @@ ReportPose report_pose(const Eigen::Vector3d& position_m, const Eigen::Quaternio
   return {{position_m.x(), position_m.y(), position_m.z()}, {q.w(), q.x(), q.y(), q.z()}};
 }
 
-bool is_usable(const PoseEstimate& pose) noexcept {
+}  // namespace
+
+bool is_publishable(const PoseEstimate& pose) noexcept {
   const EllipseParameters& e = pose.ellipse;
   const double sum = e.swing_psi_rad + e.tilt_phi_rad + e.pan_theta_rad + e.distance_m + e.image_distance_m +
                      e.deviation_rad + pose.ambiguity + pose.rms_px;
@@ -23,8 +25,6 @@ bool is_usable(const PoseEstimate& pose) noexcept {
          pose.T_landmark_camera.translation_m.allFinite() && pose.covariance.allFinite() &&
          (pose.covariance.diagonal().array() > 0).all();
 }
-
-}  // namespace
 
 std::uint16_t pose_quality(const PoseEstimate& pose) noexcept {
   constexpr double kHalfPrecision = 0.005;  // 0.5 % of the distance: what an integrator would still drive on
@@ -73,7 +73,7 @@ Result<PoseEstimate> Localiser::solve(const ImageView& luma) noexcept {
       options_.solver == Solver::kFull
           ? full_.solve(luma, seen_, options_.tracking && solved_last_ ? &pose_.T_landmark_camera : nullptr)
           : ellipse_.solve(seen_);
-  if (pose && !is_usable(*pose)) return fail(Errc::kPoseDegenerate, "the pose is not finite");
+  if (pose && !is_publishable(*pose)) return fail(Errc::kPoseDegenerate, "the pose or its covariance is not finite");
   return pose;
 }
 

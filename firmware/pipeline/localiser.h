@@ -27,6 +27,10 @@ struct LocaliserOptions {
 ///   unique = 1 - ambiguity / 2: a half when the other planar solution fits as well.
 std::uint16_t pose_quality(const PoseEstimate& pose) noexcept;
 
+/// Whether a pose may be published: every number finite, every variance above zero. A covariance of zero would claim a
+/// certainty that no camera has.
+bool is_publishable(const PoseEstimate& pose) noexcept;
+
 /// 1-sigmas of a pose along the world's axes: x y z [m], rotation about the world's x y z [rad].
 std::array<double, 6> world_sigmas(const PoseEstimate& pose,
                                    const Transform<frame::World, frame::Landmark>& T_world_landmark) noexcept;

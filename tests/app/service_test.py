@@ -210,6 +210,34 @@ class Running(unittest.TestCase):
             self.assertEqual(service.end()[0], 0)
 
 
+def resident_kb(process):
+    status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+    return int(re.search(r"VmRSS:\s+(\d+) kB", status).group(1))
+
+
+class Memory(unittest.TestCase):
+    """The whole service, with a client that reads all the while; memory not locked, so that every new page shows."""
+
+    @unittest.skipIf(os.environ.get("NINEDOT_SANITIZED"), "sanitizers keep freed memory for a while")
+    def test_does_not_grow_between_1000_and_20000_frames(self):
+        last = int(os.environ.get("NINEDOT_MEMORY_FRAMES", "20000"))
+        port = free_port()
+        config = config_text(port=port, rate_hz=1000.0).replace("tracking = false", "tracking = true")
+        with Service(config + "[service]\nlock_memory = false\n") as service, Client(port=port) as client:
+            def frames(registers):
+                return registers[61] << 16 | registers[62]
+            resident = {}
+            deadline = time.monotonic() + 10 * PATIENCE_S
+            for wanted in (1000, last):
+                while frames(client.read()) < wanted:
+                    self.assertLess(time.monotonic(), deadline, "too slow to tell")
+                    time.sleep(0.01)
+                resident[wanted] = resident_kb(service.process)
+            print(f"resident: {resident} kB", file=sys.stderr)
+            self.assertLessEqual(resident[last], resident[1000] + 128, "kB; a page per hundred frames would be 760")
+            self.assertEqual(service.end()[0], 0)
+
+
 class RefusingToStart(unittest.TestCase):
     def refused(self, config, status, *words):
         with Service(config) as service:
