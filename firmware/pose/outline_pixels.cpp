@@ -1,0 +1,201 @@
+#include "pose/outline_pixels.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "base/contract.h"
+
+namespace ninedot {
+namespace {
+
+constexpr double kWholeDotBelow_px = 7.0;  // semi-minor axis; larger dots are cut into stretches of kSector_px
+constexpr double kSector_px = 12.0;
+
+/// One dot's outline in the picture, as an ellipse.
+struct DotEllipse {
+  Eigen::Vector2d centre_px;
+  Eigen::Matrix2d circle_from_px;  // the outline is where |circle_from_px (x - centre)| = 1
+  double semi_major_px, semi_minor_px;
+};
+
+bool project_dot(const CameraModel& camera, const LandmarkGeometry& landmark, const CameraFromLandmark& T, std::size_t dot,
+                 DotEllipse& out, Eigen::Matrix2d& normalised_per_px) noexcept {
+  const Eigen::Vector2d C = landmark.centre_m(dot);
+  const Eigen::Vector3d p = T * Eigen::Vector3d(C.x(), 0, C.y());
+  if (!(p.z() > 1e-3)) return false;
+  Eigen::Matrix2d px_per_normalised;
+  out.centre_px = camera.pixel_from_normalised(p.hnormalized(), &px_per_normalised);
+  Eigen::Matrix2d normalised_per_m;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Eigen::Vector3d r = T.rotation.col(axis == 0 ? 0 : 2);
+    normalised_per_m.col(axis) = (r.head<2>() - p.hnormalized() * r.z()) / p.z();
+  }
+  const Eigen::Matrix2d px_per_radius = px_per_normalised * normalised_per_m * landmark.radius_m(dot);
+  const double det = px_per_radius.determinant();
+  if (!(std::abs(det) > 1e-6) || !px_per_radius.allFinite()) return false;
+  out.circle_from_px = px_per_radius.inverse();
+  normalised_per_px = px_per_normalised.inverse();
+  const double sum = px_per_radius.squaredNorm();
+  const double root = std::sqrt(std::max(sum * sum - 4 * det * det, 0.0));
+  out.semi_major_px = std::sqrt(0.5 * (sum + root));
+  out.semi_minor_px = std::abs(det) / out.semi_major_px;
+  return true;
+}
+
+/// Where a row crosses the ellipse |M (x - c)| = factor; false where it does not.
+bool row_span(const DotEllipse& e, double y_px, double factor, double& x0, double& x1) noexcept {
+  const Eigen::Vector2d a = e.circle_from_px.col(0);
+  const Eigen::Vector2d b = e.circle_from_px.col(1) * (y_px - e.centre_px.y());
+  const double aa = a.squaredNorm(), ab = a.dot(b);
+  const double discriminant = ab * ab - aa * (b.squaredNorm() - factor * factor);
+  if (!(discriminant > 0)) return false;
+  const double root = std::sqrt(discriminant);
+  x0 = e.centre_px.x() + (-ab - root) / aa;
+  x1 = e.centre_px.x() + (-ab + root) / aa;
+  return true;
+}
+
+struct Candidate {
+  std::int16_t x, y;
+  std::uint8_t sector;
+};
+
+}  // namespace
+
+OutlinePixels::OutlinePixels(std::size_t capacity)
+    : x_px(capacity), y_px(capacity), ray_x(capacity), ray_y(capacity), luma(capacity) {}
+
+RayTable::RayTable(const CameraModel& camera) : camera_(camera) {
+  if (!camera.has_distortion()) return;
+  rays_.resize(2 * static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px));
+  float* to = rays_.data();
+  for (int y = 0; y < camera.height_px; ++y) {
+    for (int x = 0; x < camera.width_px; ++x) {
+      const auto ray = camera.normalised_from_pixel({x, y});
+      *to++ = ray ? static_cast<float>(ray->x()) : std::numeric_limits<float>::quiet_NaN();
+      *to++ = ray ? static_cast<float>(ray->y()) : std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+}
+
+bool RayTable::ray(int x, int y, float& ray_x, float& ray_y) const noexcept {
+  if (rays_.empty()) {
+    ray_x = static_cast<float>((x - camera_.cx_px) / camera_.fx_px);
+    ray_y = static_cast<float>((y - camera_.cy_px) / camera_.fy_px);
+    return true;
+  }
+  const std::size_t at = 2 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width_px) + static_cast<std::size_t>(x));
+  ray_x = rays_[at];
+  ray_y = rays_[at + 1];
+  return !std::isnan(ray_x);
+}
+
+namespace {
+
+/// Appends one dot's pixels, sorted into its sectors. \return false when they do not fit
+bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e, std::uint8_t dot, double band_px, int thin,
+                OutlinePixels& out) noexcept {
+  const bool whole = e.semi_minor_px < kWholeDotBelow_px;
+  const double length_px = std::numbers::pi * (e.semi_major_px + e.semi_minor_px);
+  const std::size_t sectors =
+      whole ? 1 : std::clamp<std::size_t>(static_cast<std::size_t>(length_px / kSector_px), 8, kMaxSectors);
+  const double outer = 1 + band_px / e.semi_minor_px;
+  const double inner = 1 - band_px / e.semi_minor_px;
+  const double reach_px = e.semi_major_px * outer + 1;
+
+  // Two passes over the same rows: count per sector, then write each sector's pixels in one stretch.
+  std::array<std::int32_t, kMaxSectors> counts{}, next{};
+  const auto visit = [&](auto&& use) {
+    const int y0 = std::max(0, static_cast<int>(std::ceil(e.centre_px.y() - reach_px)));
+    const int y1 = std::min(luma.height_px - 1, static_cast<int>(std::floor(e.centre_px.y() + reach_px)));
+    for (int y = y0; y <= y1; ++y) {
+      double x0, x1, hole0 = 0, hole1 = -1;
+      if (!row_span(e, y, outer, x0, x1)) continue;
+      const bool hole = inner > 0 && row_span(e, y, inner, hole0, hole1);
+      const int first = std::max(0, static_cast<int>(std::ceil(x0)));
+      const int last = std::min(luma.width_px - 1, static_cast<int>(std::floor(x1)));
+      for (int x = first; x <= last; ++x) {
+        if (hole && x > hole0 && x < hole1) {
+          x = static_cast<int>(std::floor(hole1));
+          continue;
+        }
+        if (thin > 1 && (x + 2 * y) % thin != 0) continue;
+        const Eigen::Vector2d q = e.circle_from_px * Eigen::Vector2d(x - e.centre_px.x(), y - e.centre_px.y());
+        const double radius = q.norm();
+        if (!whole) {
+          // Distance to the outline to first order: (|q| - 1) over the length of its gradient.
+          const double slope = (e.circle_from_px.transpose() * q).norm() / std::max(radius, 1e-9);
+          if (std::abs(radius - 1) > band_px * slope) continue;
+        }
+        std::size_t sector = 0;
+        if (!whole) {
+          const double turn = std::atan2(q.y(), q.x()) / (2 * std::numbers::pi) + 0.5;
+          sector = std::min(sectors - 1, static_cast<std::size_t>(turn * static_cast<double>(sectors)));
+        }
+        use(x, y, sector);
+      }
+    }
+  };
+  visit([&](int, int, std::size_t sector) { ++counts[sector]; });
+  std::int32_t total = 0;
+  for (std::size_t s = 0; s < sectors; ++s) next[s] = static_cast<std::int32_t>(out.count) + total, total += counts[s];
+  if (out.count + static_cast<std::size_t>(total) > out.luma.size()) return false;
+  const auto starts = next;
+  visit([&](int x, int y, std::size_t sector) {
+    float ray_x, ray_y;
+    if (!rays.ray(x, y, ray_x, ray_y)) return;
+    const auto i = static_cast<std::size_t>(next[sector]++);
+    out.x_px[i] = static_cast<float>(x), out.y_px[i] = static_cast<float>(y);
+    out.ray_x[i] = ray_x, out.ray_y[i] = ray_y;
+    out.luma[i] = luma.at(x, y);
+  });
+  for (std::size_t s = 0; s < sectors; ++s) {
+    OutlineGroup group;
+    group.first = starts[s];
+    group.count = next[s] - starts[s];
+    group.dot = dot;
+    group.whole_dot = whole;
+    if (group.count < 8) continue;
+    double sum_x = 0, sum_y = 0;
+    for (std::int32_t i = group.first; i < next[s]; ++i)
+      sum_x += out.x_px[static_cast<std::size_t>(i)], sum_y += out.y_px[static_cast<std::size_t>(i)];
+    group.centre_x_px = static_cast<float>(sum_x / group.count);
+    group.centre_y_px = static_cast<float>(sum_y / group.count);
+    if (!out.groups.try_push_back(group)) return false;
+  }
+  out.count += static_cast<std::size_t>(total);
+  return true;
+}
+
+}  // namespace
+
+void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, const RayTable& rays,
+                            const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark, double band_px,
+                            OutlinePixels& out) noexcept {
+  out.count = 0;
+  out.groups.clear();
+  out.visible_outlines = 0;
+  std::array<DotEllipse, kDotCount> ellipses;
+  std::array<bool, kDotCount> in_front{};
+  double expected = 0;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    in_front[dot] = project_dot(camera, landmark, T_camera_landmark, dot, ellipses[dot], out.normalised_per_px[dot]);
+    if (!in_front[dot]) continue;
+    const DotEllipse& e = ellipses[dot];
+    expected += e.semi_minor_px < kWholeDotBelow_px
+                    ? std::numbers::pi * (e.semi_major_px + band_px) * (e.semi_minor_px + band_px)
+                    : std::numbers::pi * (e.semi_major_px + e.semi_minor_px) * 2 * band_px;
+  }
+  const int thin = 1 + static_cast<int>(1.1 * expected / static_cast<double>(out.luma.size()));
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    if (!in_front[dot]) continue;
+    const std::size_t before = out.groups.size();
+    if (!append_dot(luma, rays, ellipses[dot], static_cast<std::uint8_t>(dot), band_px, thin, out)) return;
+    out.visible_outlines += out.groups.size() > before;
+  }
+}
+
+}  // namespace ninedot

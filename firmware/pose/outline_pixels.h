@@ -1,0 +1,60 @@
+#pragma once
+/// The pixels along the outlines of the nine dots, gathered into groups that share their light.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/inline_vector.h"
+#include "geometry/camera_model.h"
+#include "geometry/landmark.h"
+#include "geometry/transform.h"
+#include "image/image_view.h"
+
+namespace ninedot {
+
+using CameraFromLandmark = Transform<frame::Camera, frame::Landmark>;
+
+/// A whole small dot, or a stretch of a large dot's outline. Within it paper and ink are taken as constant (paper of a
+/// whole dot: as sloping), so that light may change from group to group as it likes.
+struct OutlineGroup {
+  std::int32_t first = 0;   ///< index of its first pixel
+  std::int32_t count = 0;
+  std::uint8_t dot = 0;     ///< 0..7 = P1..P8, 8 = P9
+  bool whole_dot = false;
+  float centre_x_px = 0, centre_y_px = 0;  ///< of its pixels
+};
+
+inline constexpr std::size_t kMaxSectors = 16;  ///< of one dot
+inline constexpr std::size_t kMaxGroups = kDotCount * kMaxSectors;
+
+/// Pixels as columns, for loops that the compiler can turn into vector instructions.
+struct OutlinePixels {
+  explicit OutlinePixels(std::size_t capacity);
+  std::vector<float> x_px, y_px, ray_x, ray_y, luma;  ///< position, normalised ray (distortion removed), grey level
+  std::size_t count = 0;
+  InlineVector<OutlineGroup, kMaxGroups> groups;
+  /// d(normalised)/d(pixel) at each dot's centre.
+  std::array<Eigen::Matrix2d, kDotCount> normalised_per_px;
+  int visible_outlines = 0;  ///< dots of which at least a part lies inside the picture
+};
+
+/// Normalised rays of all pixels. Distorted lenses get a table: the inverse is too dear for every pixel of every frame.
+/// Memory: the constructor's; none without distortion. Threads: const is safe.
+class RayTable {
+ public:
+  explicit RayTable(const CameraModel& camera);
+  /// \return false where the lens has no inverse
+  bool ray(int x, int y, float& ray_x, float& ray_y) const noexcept;
+
+ private:
+  CameraModel camera_;
+  std::vector<float> rays_;  // x, y of each pixel; NaN where the model has no inverse
+};
+
+/// Collects the pixels within `band_px` of every dot's outline as the pose predicts it.
+/// Above the capacity of `out`, large dots are thinned to every second or third pixel instead of being cut off.
+void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, const RayTable& rays,
+                            const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark, double band_px,
+                            OutlinePixels& out) noexcept;
+
+}  // namespace ninedot
