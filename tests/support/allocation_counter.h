@@ -4,7 +4,7 @@
 /// Link `ninedot_allocation_counter` (an object library) into the test program that wants it: it takes the place of
 /// malloc and its relatives in the whole process, shared libraries included; operator new arrives there too. Under the
 /// address and thread sanitizers, which have that place already, it uses their hooks instead
-/// (the thread sanitizer's do not tell of posix_memalign).
+/// (the thread sanitizer's do not tell of aligned_alloc and posix_memalign).
 #include <cstdint>
 
 namespace ninedot::test {
