@@ -120,8 +120,8 @@ TEST(Renderer, SeenFromTheFrontP1IsLowestAndP3IsLeft) {
 }
 
 TEST(Renderer, BoardHidesTheFractionAskedFor) {
-  for (const double direction_rad : {0.0, 0.6, 2.5, -1.2})
-    for (const double fraction : {0.1, 0.4, 0.5, 0.85}) {
+  for (const double direction_rad : {0.0, 0.6, -2.5})
+    for (const double fraction : {0.1, 0.5, 0.85}) {
       Scene scene;
       scene.sheets = {Sheet{}};
       scene.lens.fx_px = scene.lens.fy_px = 1800;
