@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
@@ -32,7 +33,7 @@ using Circle = std::array<Vector3, kCirclePoints>;
 Circle circle_m(const Vector2& centre_m, double radius_m) {
   Circle circle;
   for (std::size_t i = 0; i < kCirclePoints; ++i) {
-    const double a_rad = 2 * M_PI * static_cast<double>(i) / (kCirclePoints - 1);
+    const double a_rad = 2 * std::numbers::pi * static_cast<double>(i) / (kCirclePoints - 1);
     circle[i] = {centre_m.x() + radius_m * std::cos(a_rad), 0, centre_m.y() + radius_m * std::sin(a_rad)};
   }
   return circle;
@@ -83,7 +84,7 @@ void draw_discs(Canvas& canvas, const Scene& scene) {
     const Circle outline = circle_m(scene.geometry.centre_m(dot), scene.geometry.radius_m(dot));
     const bool seen = scene.dot_seen(dot);
     const auto right = project(outline[0]), left = project(outline[kCirclePoints / 2]);
-    const bool small = right && left && (*right - *left).norm() * canvas.scale < 32 * canvas.line_px;
+    const bool small = right && left && (*right - *left).norm() * canvas.scale < 18 * canvas.line_px;
     draw_chain(canvas, project, outline, seen ? kOutline : kHidden, (small && seen ? 1 : 2) * canvas.line_px,
                seen ? 0 : 8 * canvas.line_px);
   }
@@ -148,9 +149,10 @@ void draw_seen_ellipses(Canvas& canvas, const Scene& scene) {
     if (!dot.seen) continue;
     const Vector2 at = canvas.at(dot.centroid_px);
     const cv::Size2d axes(2 * dot.semi_major_px * canvas.scale, 2 * dot.semi_minor_px * canvas.scale);
-    cv::ellipse(canvas.picture,
-                cv::RotatedRect(cv::Point2d(at.x(), at.y()), axes, static_cast<float>(dot.angle_rad * 180 / M_PI)),
-                kOutline, std::max(1, static_cast<int>(2 * canvas.line_px)), cv::LINE_AA);
+    cv::ellipse(
+        canvas.picture,
+        cv::RotatedRect(cv::Point2d(at.x(), at.y()), axes, static_cast<float>(dot.angle_rad * 180 / std::numbers::pi)),
+        kOutline, std::max(1, static_cast<int>(2 * canvas.line_px)), cv::LINE_AA);
   }
 }
 

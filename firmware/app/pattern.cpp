@@ -100,8 +100,8 @@ Paper parse_sheet(const std::string& sheet) {
     refuse(fmt::format("--sheet {}: give a0 to a5, or WIDTHxHEIGHT in mm, for example 210x297", sheet));
   const Paper paper{std::min(first_mm, second_mm), std::max(first_mm, second_mm)};
   if (!(paper.width_mm >= kNarrowestPaper_mm && paper.height_mm <= kLargestPaper_mm))
-    refuse(fmt::format("--sheet {}: give sides of {} mm, for the scale bar, up to {} mm", sheet, kNarrowestPaper_mm,
-                       kLargestPaper_mm));
+    refuse(fmt::format("--sheet {}: give sides of at least {} mm, for the scale bar, and at most {} mm", sheet,
+                       kNarrowestPaper_mm, kLargestPaper_mm));
   return paper;
 }
 

@@ -3,19 +3,18 @@
 //   SVG 1.1: a viewBox in mm on a page sized in mm makes one user unit one millimetre (section 7).
 //   PDF 1.4 (ISO 32000-1 section 8): `cm` scales the page's points to mm; y goes up. Helvetica is one of the 14 fonts
 //   that every reader has (9.6.2.2), so none is embedded; only words depend on it.
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
+#include <cstdint>
 #include <cstring>
 #include <numbers>
+#include <span>
 #include <string_view>
 
 #include "app/pattern.h"
 #include "base/startup_error.h"
+#include "drivers/capture/whole_file.h"
 
 namespace ninedot {
 namespace {
@@ -111,11 +110,6 @@ std::string pdf_item(const PageItem& item, double page_height_mm) {
                     item);
 }
 
-[[noreturn]] void give_up(const std::string& path, const std::string& temporary, int error) {
-  if (!temporary.empty()) ::unlink(temporary.c_str());
-  throw StartupError(ExitStatus::kWorkFailed, fmt::format("{}: cannot be written: {}", path, std::strerror(error)));
-}
-
 bool ends_with(std::string_view text, std::string_view ending) {
   return text.size() > ending.size() && text.substr(text.size() - ending.size()) == ending;
 }
@@ -169,21 +163,10 @@ void write_pattern(const PatternPage& page, const std::string& path) {
     throw StartupError(ExitStatus::kWrongUsage, fmt::format("--out {}: end the file's name with .svg or .pdf", path));
   const std::string file = is_svg ? encode_svg(page) : encode_pdf(page);
 
-  const std::string temporary = path + ".tmp";
-  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (descriptor < 0) give_up(path, "", errno);
-  int error = 0;
-  for (std::size_t done = 0; done < file.size() && error == 0;) {
-    const ssize_t count = ::write(descriptor, file.data() + done, file.size() - done);
-    if (count > 0)
-      done += static_cast<std::size_t>(count);
-    else if (count == 0 || errno != EINTR)
-      error = count == 0 ? ENOSPC : errno;
-  }
-  if (error == 0 && ::fsync(descriptor) != 0 && errno != EINVAL) error = errno;  // EINVAL: nothing that could be synced
-  if (::close(descriptor) != 0 && error == 0) error = errno;
-  if (error == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
-  if (error != 0) give_up(path, temporary, error);
+  const auto bytes = std::span(reinterpret_cast<const std::uint8_t*>(file.data()), file.size());
+  if (const auto written = write_whole_file(path, bytes); !written)
+    throw StartupError(ExitStatus::kWorkFailed,
+                       fmt::format("{}: {}: {}", path, written.error().text, std::strerror(written.error().os_errno)));
 }
 
 }  // namespace ninedot

@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
+#include <vector>
 
 namespace ninedot {
 namespace {
@@ -120,8 +123,8 @@ TEST_F(Overlay, FollowsTheLensDistortion) {
   constexpr double kK1 = -0.8;  // moves P1 by 0.6 px per 0.01 of it
   camera_.k[0] = kK1;
   draw(nullptr, 4);
-  EXPECT_TRUE(has(is_outline, dot_edge_px(0, -M_PI / 2, kK1), 2));
-  EXPECT_FALSE(has(is_outline, dot_edge_px(0, -M_PI / 2, 0), 2));
+  EXPECT_TRUE(has(is_outline, dot_edge_px(0, -std::numbers::pi / 2, kK1), 2));
+  EXPECT_FALSE(has(is_outline, dot_edge_px(0, -std::numbers::pi / 2, 0), 2));
 }
 
 TEST_F(Overlay, DrawsTheAxesOfTheLandmark) {
@@ -144,7 +147,7 @@ TEST_F(Overlay, MarksSeenCentroidsAndDashesHiddenDots) {
   EXPECT_FALSE(has(is_centroid, seen.dots[6].centroid_px));
   int dashes = 0, gaps = 0;
   for (int i = 0; i < 360; ++i) {
-    const Eigen::Vector2d edge = dot_edge_px(6, i * M_PI / 180);
+    const Eigen::Vector2d edge = dot_edge_px(6, i * std::numbers::pi / 180);
     EXPECT_FALSE(has(is_outline, edge, 2));
     has(is_hidden, edge) ? ++dashes : ++gaps;
   }

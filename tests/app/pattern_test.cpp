@@ -5,13 +5,17 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <regex>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "base/startup_error.h"
 
@@ -30,7 +34,7 @@ std::array<Disc, 9> expected_a4_discs() {
   std::array<Disc, 9> discs;
   const double middle_x_mm = 105, middle_y_mm = 18 + 105;
   for (std::size_t i = 0; i < 8; ++i) {
-    const double a_rad = static_cast<double>(i) * M_PI / 4;
+    const double a_rad = static_cast<double>(i) * std::numbers::pi / 4;
     discs[i] = {middle_x_mm - 80 * std::sin(a_rad), middle_y_mm + 80 * std::cos(a_rad), 25.4, "#000000"};
   }
   discs[8] = {middle_x_mm, middle_y_mm, 50.8, "#000000"};
@@ -238,7 +242,7 @@ TEST_F(PatternFiles, RasterisedPdfHasDotsAndScaleBarWithin0p05Millimetres) {
     ASSERT_GT(area, 0);
     EXPECT_NEAR(x_sum / area / kPxPerMm, disc.x_mm, 0.05);
     EXPECT_NEAR(y_sum / area / kPxPerMm, disc.y_mm, 0.05);
-    EXPECT_NEAR(2 * std::sqrt(area / M_PI) / kPxPerMm, disc.diameter_mm, 0.05);
+    EXPECT_NEAR(2 * std::sqrt(area / std::numbers::pi) / kPxPerMm, disc.diameter_mm, 0.05);
   }
 
   // Only the bar's two end ticks reach 5 mm above it.
@@ -373,7 +377,7 @@ TEST_F(PatternFiles, KeepsTheOldFileWhenTheNewOneCannotBeWritten) {
   fs::create_directories(folder_ / "sheet.svg");  // a folder in the way: the rename fails
   const std::string line =
       refusal([&] { write_pattern(make_pattern_page({}), folder_ / "sheet.svg"); }, ExitStatus::kWorkFailed);
-  EXPECT_NE(line.find("cannot be written"), std::string::npos);
+  EXPECT_NE(line.find("sheet.svg: cannot be renamed: Is a directory"), std::string::npos) << line;
   EXPECT_TRUE(fs::is_directory(folder_ / "sheet.svg"));
   EXPECT_FALSE(fs::exists(folder_ / "sheet.svg.tmp"));
   refusal([&] { write_pattern(make_pattern_page({}), folder_ / "missing" / "sheet.svg"); }, ExitStatus::kWorkFailed);
