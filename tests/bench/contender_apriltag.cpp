@@ -1,8 +1,8 @@
-#include <apriltag/apriltag.h>
-#include <apriltag/apriltag_pose.h>
-#include <apriltag/tag36h11.h>
 #include <fmt/format.h>
 
+#include <cstdlib>
+
+#include "tests/bench/apriltag_headers.h"
 #include "tests/bench/contenders.h"
 #include "tests/bench/tag_picture.h"
 
@@ -44,8 +44,9 @@ class AprilTag final : public Contender {
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> rotation(pose.R->data);
     const Eigen::Map<const Eigen::Vector3d> translation_m(pose.t->data);
     const Eigen::Vector3d position_m = camera_position_m(rotation, translation_m);
-    matd_destroy(pose.R);
-    matd_destroy(pose.t);
+    // matd_destroy is `free` under another name, and Debian's library does not export it.
+    std::free(pose.R);
+    std::free(pose.t);
     return position_m;
   }
 

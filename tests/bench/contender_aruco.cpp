@@ -15,6 +15,10 @@
 namespace ninedot::bench {
 namespace {
 
+/// Default 0.05: the sheet's own rim then counts as the same marker as the tag in it, and the larger of the two is
+/// kept.
+constexpr double kMinMarkerDistanceRate = 0.01;
+
 using Corners = std::vector<std::vector<cv::Point2f>>;
 
 #if NINEDOT_ARUCO_IN_OBJDETECT
@@ -28,6 +32,7 @@ class MarkerFinder {
   static cv::aruco::DetectorParameters parameters() {
     cv::aruco::DetectorParameters result;
     result.cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
+    result.minMarkerDistanceRate = kMinMarkerDistanceRate;
     return result;
   }
   cv::aruco::ArucoDetector detector_{cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11), parameters()};
@@ -35,7 +40,10 @@ class MarkerFinder {
 #else
 class MarkerFinder {
  public:
-  MarkerFinder() { parameters_->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX; }
+  MarkerFinder() {
+    parameters_->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
+    parameters_->minMarkerDistanceRate = kMinMarkerDistanceRate;
+  }
   void find(const cv::Mat& image, Corners& corners, std::vector<int>& ids) const {
     cv::aruco::detectMarkers(image, dictionary_, corners, ids, parameters_);
   }
@@ -70,7 +78,9 @@ class ArUco final : public Contender {
  private:
   std::optional<Eigen::Vector3d> solve(const std::vector<cv::Point2f>& corners) const {
     constexpr float kHalf_m = static_cast<float>(kTagSide_m / 2);
-    // IPPE for squares wants x right, y up, z towards the viewer, from the top left corner clockwise.
+    // IPPE for squares wants the top left corner first, clockwise, x right, y up, z towards the viewer. OpenCV's copy
+    // of the dictionary is turned by 180 degrees against AprilTag's own pictures: its first corner is our bottom right
+    // one.
     static const std::vector<cv::Point3f> object{
         {-kHalf_m, kHalf_m, 0}, {kHalf_m, kHalf_m, 0}, {kHalf_m, -kHalf_m, 0}, {-kHalf_m, -kHalf_m, 0}};
     cv::Vec3d rotation, translation;
@@ -80,7 +90,7 @@ class ArUco final : public Contender {
     cv::Matx33d R;
     cv::Rodrigues(rotation, R);
     const cv::Vec3d in_tag_m = -(R.t() * translation);
-    return Eigen::Vector3d(-in_tag_m[0], in_tag_m[2], in_tag_m[1]);
+    return Eigen::Vector3d(in_tag_m[0], in_tag_m[2], -in_tag_m[1]);
   }
 
   cv::Matx33d intrinsics_;

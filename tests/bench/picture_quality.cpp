@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -41,7 +42,7 @@ struct Sight {
   /// Distance from P9's middle in the sheet's plane [m]; infinite where the ray misses the plane.
   double radius_m(int x, int y) const {
     const auto point = sheet_of_pixel(camera, pose, {x, y});
-    return point ? point->norm() : INFINITY;
+    return point ? point->norm() : std::numeric_limits<double>::infinity();
   }
 };
 
@@ -151,7 +152,7 @@ double measure_blur(const Sight& sight) {
   const double radius_px = sight.landmark.centre_radius_m * sight.px_per_m();
   const auto pixels = outline_pixels(sight, std::min(4.0, 0.6 * radius_px));
   if (radius_px < 4 || pixels.size() < 60) return kUnknownBlur_px;
-  double best = INFINITY, best_blur_px = kUnknownBlur_px;
+  double best = std::numeric_limits<double>::infinity(), best_blur_px = kUnknownBlur_px;
   for (double blur_px = 0.30; blur_px < 3.0; blur_px *= 1.05) {
     for (double shift_px = -0.8; shift_px <= 0.81; shift_px += 0.1) {
       const double value = misfit(pixels, blur_px, shift_px);
