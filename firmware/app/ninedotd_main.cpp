@@ -30,12 +30,13 @@ void run_service(const std::string& config_path, bool live) {
   const TerminationSignals signals;  // before the first thread
   use_small_thread_stacks();
 
-  const OpenedSource camera = open_source(config);
-  Localiser localiser(camera.model, localiser_options(config));
+  const CameraModel model = read_camera_calibration(config.camera);
+  const OpenedSource camera = open_source(config.camera, FrameDemand::kNewest);
+  Localiser localiser(model, localiser_options(config));
   LatestValue<Report> reports;
   LatestValue<Health> health;
   const int memory_refused = config.service.lock_memory ? lock_memory() : ECANCELED;
-  FrameLoop frames(*camera.source, localiser, reports, health, {.memory_locked = memory_refused == 0});
+  FrameLoop frames(*camera.frames, localiser, reports, health, {.memory_locked = memory_refused == 0});
   const ModbusOptions modbus = modbus_options(config);
   const ModbusServer server(reports, health, modbus);
 
@@ -44,8 +45,8 @@ void run_service(const std::string& config_path, bool live) {
   ServiceLog log(display ? &*display : nullptr);
   RealtimeThread thread(config.service.realtime_priority);
   const int realtime_refused = frames.start(thread);
-  log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION, config.camera.device,
-                        camera.model.width_px, camera.model.height_px, config.pose.solver));
+  log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION, config.camera.device, model.width_px,
+                        model.height_px, config.pose.solver));
   log.write("frame loop: " + realtime_text(config.service.realtime_priority, realtime_refused));
   log.write("memory: " + memory_text(config.service.lock_memory, memory_refused));
   for (const std::string& command : reading_commands(modbus)) log.write("read the position with: " + command);

@@ -10,14 +10,14 @@
 namespace ninedot {
 
 struct LocaliserOptions {
-  LandmarkGeometry landmark;
-  DetectorOptions detector;
+  LandmarkGeometry landmark{};
+  DetectorOptions detector{};
   Solver solver = Solver::kFull;
-  EllipseCalibration ellipse;
+  EllipseCalibration ellipse{};
   bool tracking = true;        ///< look where the landmark was before searching the whole picture
   double max_ambiguity = 0.7;  ///< above: Report::ambiguous
   std::uint16_t landmark_id = 0;
-  Transform<frame::World, frame::Landmark> T_world_landmark;
+  Transform<frame::World, frame::Landmark> T_world_landmark{};
   bool calibrated = true;
 };
 
