@@ -138,6 +138,8 @@ const char* reason_text(Reason reason) noexcept {
       return "the picture could not be read";
     case Reason::kStopped:
       return "the source is over";
+    case Reason::kStale:
+      return "the pose is too old";
   }
   return "unknown reason";
 }

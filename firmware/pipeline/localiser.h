@@ -1,8 +1,8 @@
 #pragma once
-/// One frame's path: picture -> dots -> landmark -> pose with its uncertainty -> report. The whole path is in `process`.
-#include <memory>
-
+/// One frame's path: picture -> dots -> landmark -> pose with its uncertainty -> report. The whole path is in
+/// `process`.
 #include "detect/detector.h"
+#include "pipeline/frame_processor.h"
 #include "pose/ellipse_solver.h"
 #include "pose/full_solver.h"
 #include "proto/report.h"
@@ -10,40 +10,57 @@
 namespace ninedot {
 
 struct LocaliserOptions {
-  LandmarkGeometry landmark;
-  DetectorOptions detector;
+  LandmarkGeometry landmark{};
+  DetectorOptions detector{};
   Solver solver = Solver::kFull;
-  EllipseCalibration ellipse;
-  bool tracking = true;           ///< look where the landmark was before searching the whole picture
-  double max_ambiguity = 0.7;     ///< above: Report::ambiguous
+  EllipseCalibration ellipse{};
+  bool tracking = true;        ///< look where the landmark was before searching the whole picture
+  double max_ambiguity = 0.7;  ///< above: Report::ambiguous
   std::uint16_t landmark_id = 0;
-  Transform<frame::World, frame::Landmark> T_world_landmark;
+  Transform<frame::World, frame::Landmark> T_world_landmark{};
   bool calibrated = true;
 };
 
+/// How much to trust a pose, 0..1000: 1000 * precision * visible * unique, rounded, where
+///   precision = 1 / (1 + (sigma / (0.005 D))^2): a half at a 1-sigma of 0.5 % of the distance D, sigma over all axes;
+///   visible = dots_used / 9;
+///   unique = 1 - ambiguity / 2: a half when the other planar solution fits as well.
+std::uint16_t pose_quality(const PoseEstimate& pose) noexcept;
+
+/// Whether a pose may be published: every number finite, every variance above zero. A covariance of zero would claim a
+/// certainty that no camera has.
+bool is_publishable(const PoseEstimate& pose) noexcept;
+
+/// 1-sigmas of a pose along the world's axes: x y z [m], rotation about the world's x y z [rad].
+std::array<double, 6> world_sigmas(const PoseEstimate& pose,
+                                   const Transform<frame::World, frame::Landmark>& T_world_landmark) noexcept;
+
 /// Memory: everything is allocated by the constructor. Threads: one caller.
-class Localiser {
+class Localiser final : public FrameProcessor {
  public:
   Localiser(const CameraModel& camera, const LocaliserOptions& options);
 
   /// Fills every field of the next report but the published_at and latency of `report`, which comes in as the report
   /// of the frame before: when nothing is found its pose stays, with valid = false and the reason.
-  void process(const ImageView& luma, MonoTime exposed_at, std::uint64_t frame_number, Report& report) noexcept;
-
-  /// A frame that could not be had: the pose stays, not valid, with the reason of `error`.
-  static void report_failure(const Error& error, Report& report) noexcept;
+  void process(const ImageView& luma, MonoTime exposed_at, std::uint64_t frame_number,
+               Report& report) noexcept override;
 
   /// The last landmark found, for overlays; null when the last frame showed none.
-  const LandmarkObservation* last_observation() const noexcept;
+  const LandmarkObservation* last_observation() const noexcept { return found_last_ ? &seen_ : nullptr; }
 
  private:
+  Result<LandmarkObservation> find(const ImageView& luma, bool& tracked) noexcept;
+  Result<PoseEstimate> solve(const ImageView& luma) noexcept;
+  void fill_pose(const PoseEstimate& pose, Report& report) const noexcept;
+
   LocaliserOptions options_;
   Detector detector_;
   FullSolver full_;
   EllipseSolver ellipse_;
   LandmarkObservation seen_{};
   PoseEstimate pose_{};
-  bool seen_last_ = false;
+  bool found_last_ = false;   // seen_ is of the frame before
+  bool solved_last_ = false;  // pose_ is of the frame before
 };
 
 }  // namespace ninedot

@@ -1,0 +1,52 @@
+#include "drivers/posix/realtime.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+
+namespace ninedot {
+namespace {
+
+// The frame path needs less than 100 KiB of stack; sanitizers multiply that by about three.
+constexpr std::size_t kTouchedStack_bytes = std::size_t{384} * 1024;
+constexpr std::size_t kThreadStack_bytes = std::size_t{1024} * 1024;
+
+// volatile: the compiler must not drop the writes; noinline: the array must be gone again afterwards.
+[[gnu::noinline]] void touch_stack() noexcept {
+  volatile char pages[kTouchedStack_bytes];
+  for (std::size_t i = 0; i < kTouchedStack_bytes; i += 1024) pages[i] = 0;
+  static_cast<void>(pages[0]);
+}
+
+}  // namespace
+
+int RealtimeThread::enter() noexcept {
+  touch_stack();
+  pthread_setname_np(pthread_self(), "frames");
+  if (priority_ == 0) return ECANCELED;
+  sched_param wanted{};
+  wanted.sched_priority = priority_;
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+}
+
+int lock_memory() noexcept {
+  rlimit limit{};
+  const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
+  return mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0 ? 0 : errno;
+}
+
+int use_small_thread_stacks() noexcept {
+  pthread_attr_t attributes;
+  if (const int error = pthread_attr_init(&attributes); error != 0) return error;
+  pthread_attr_setstacksize(&attributes, kThreadStack_bytes);
+  const int error = pthread_setattr_default_np(&attributes);
+  pthread_attr_destroy(&attributes);
+  return error;
+}
+
+}  // namespace ninedot

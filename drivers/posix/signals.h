@@ -1,0 +1,17 @@
+#pragma once
+/// SIGINT and SIGTERM, taken on the main thread instead of in a handler.
+#include <chrono>
+
+namespace ninedot {
+
+/// Blocks SIGINT and SIGTERM in the calling thread and in all that it starts afterwards, and ignores SIGPIPE (a reader
+/// that goes away is no reason to end). Make one before the first thread starts.
+class TerminationSignals {
+ public:
+  TerminationSignals() noexcept;
+
+  /// Waits at most `timeout`. \return  the signal that asks to end, or 0 when none came.
+  int wait(std::chrono::nanoseconds timeout) const noexcept;
+};
+
+}  // namespace ninedot

@@ -1,0 +1,70 @@
+// The service. Its main() is the architecture: configuration -> source -> localiser -> frame loop, which publishes into
+// two mailboxes; Modbus servers, which read them; and a main thread that owns everything and waits for a signal.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <optional>
+
+#include "app/config.h"
+#include "app/live_display.h"
+#include "app/localiser_options.h"
+#include "app/modbus_options.h"
+#include "app/open_source.h"
+#include "app/program.h"
+#include "app/service_watch.h"
+#include "drivers/posix/realtime.h"
+
+namespace ninedot {
+namespace {
+
+std::vector<std::string> how_to_read(const ModbusOptions& options) {
+  std::vector<std::string> lines{""};
+  for (const std::string& command : reading_commands(options)) lines.push_back("read it with:  " + command);
+  lines.push_back("all registers: ninedot registers          Ctrl-C ends");
+  return lines;
+}
+
+void run_service(const std::string& config_path, bool live) {
+  const Config config = read_config(config_path);
+  const TerminationSignals signals;  // before the first thread
+  use_small_thread_stacks();
+
+  const CameraModel model = read_camera_calibration(config.camera);
+  const OpenedSource camera = open_source(config.camera, FrameDemand::kNewest);
+  Localiser localiser(model, localiser_options(config));
+  LatestValue<Report> reports;
+  LatestValue<Health> health;
+  const int memory_refused = config.service.lock_memory ? lock_memory() : ECANCELED;
+  FrameLoop frames(*camera.frames, localiser, reports, health, {.memory_locked = memory_refused == 0});
+  const ModbusOptions modbus = modbus_options(config);
+  const ModbusServer server(reports, health, modbus);
+
+  std::optional<LiveDisplay> display;
+  if (live) display.emplace(stdout, how_to_read(modbus));
+  ServiceLog log(display ? &*display : nullptr);
+  RealtimeThread thread(config.service.realtime_priority);
+  const int realtime_refused = frames.start(thread);
+  log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION, config.camera.device, model.width_px,
+                        model.height_px, config.pose.solver));
+  log.write("frame loop: " + realtime_text(config.service.realtime_priority, realtime_refused));
+  log.write("memory: " + memory_text(config.service.lock_memory, memory_refused));
+  for (const std::string& command : reading_commands(modbus)) log.write("read the position with: " + command);
+  if (!modbus.tcp && !modbus.rtu) log.write("no Modbus server: add [modbus.tcp] or [modbus.rtu] to the configuration");
+
+  watch_until_signalled(signals, {frames, reports, health, server, modbus.codec}, log, display ? &*display : nullptr);
+  frames.stop();
+}
+
+}  // namespace
+}  // namespace ninedot
+
+int main(int argc, char** argv) {
+  CLI::App app{"Camera pose from a nine-dot landmark, over Modbus.", "ninedotd"};
+  std::string config_path;
+  bool live = false;
+  app.add_option("--config", config_path, "configuration file; `ninedot check` tells what is wrong with one")
+      ->required();
+  app.add_flag("--live", live, "show pose, rate, latency and clients; in a pipe one line a second");
+  return ninedot::run_program(app, argc, argv, [&] { ninedot::run_service(config_path, live); });
+}

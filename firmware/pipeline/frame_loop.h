@@ -1,0 +1,83 @@
+#pragma once
+/// The loop that turns frames into reports, on its own thread: source -> processor -> publish -> buffer given back.
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <thread>
+
+#include "base/latest_value.h"
+#include "pipeline/frame_processor.h"
+#include "pipeline/latency_histogram.h"
+#include "ports/frame_source.h"
+#include "ports/frame_thread.h"
+#include "proto/report.h"
+
+namespace ninedot {
+
+struct FrameLoopOptions {
+  std::chrono::nanoseconds wait = std::chrono::milliseconds(100);         ///< for one frame; bounds the time to stop
+  std::chrono::nanoseconds stall_after = std::chrono::seconds(1);         ///< no frame for so long: the camera is lost
+  std::chrono::nanoseconds health_period = std::chrono::seconds(1);       ///< between two publications of Health
+  std::chrono::nanoseconds failure_pause = std::chrono::milliseconds(5);  ///< least time between two failed attempts
+  bool memory_locked = false;                                             ///< passed on in Health
+};
+
+/// Memory: everything before start(); nothing is allocated per frame. Threads: one owner calls start, stop and step;
+/// the getters may be called from any thread. The references given to the constructor must outlive the loop.
+class FrameLoop {
+ public:
+  FrameLoop(FrameSource& source, FrameProcessor& processor, LatestValue<Report>& reports, LatestValue<Health>& health,
+            const FrameLoopOptions& options = {});
+  ~FrameLoop() { stop(); }
+  FrameLoop(const FrameLoop&) = delete;
+  FrameLoop& operator=(const FrameLoop&) = delete;
+
+  /// Starts the thread and waits until it has asked `thread` for real-time priority.
+  /// \return  0, or the errno that says why it runs without.
+  int start(FrameThread& thread);
+
+  /// Ends the thread within FrameLoopOptions::wait. Harmless when it does not run.
+  void stop() noexcept;
+
+  /// One turn of the loop, for the thread and for tests: at most one frame, always one published report when there was
+  /// something to say. A failure is published as a report that is not valid, with the reason.
+  /// \return  false when the source is over: nothing will follow.
+  bool step() noexcept;
+
+  /// Frames that came all the way through; a watchdog is fed only while this grows.
+  std::uint64_t frames_processed() const noexcept { return frames_processed_.load(std::memory_order_relaxed); }
+  /// The source has ended for good (a recording that does not loop).
+  bool over() const noexcept { return over_.load(std::memory_order_relaxed); }
+  /// The newest failure of the source, for the log; code 0 while there was none.
+  Error last_error() const noexcept { return last_error_.read(); }
+  /// The board's temperature for Health; NaN where unknown.
+  void set_temperature(double degC) noexcept { temperature_degC_.store(degC, std::memory_order_relaxed); }
+
+ private:
+  void on_frame(const FrameLease& frame) noexcept;
+  void on_failure(const Error& error, MonoTime asked_at) noexcept;
+  void publish() noexcept;
+  void publish_health(MonoTime now) noexcept;
+
+  FrameSource& source_;
+  FrameProcessor& processor_;
+  LatestValue<Report>& reports_;
+  LatestValue<Health>& healths_;
+  const FrameLoopOptions options_;
+
+  Report report_{};
+  Health health_{};
+  LatencyHistogram latency_;
+  MonoTime last_frame_at_;
+  MonoTime health_at_;                     // of the newest publication
+  std::uint32_t processed_at_health_ = 0;  // frames processed by then
+  Reason published_reason_ = Reason::kStarting;
+
+  std::atomic<std::uint64_t> frames_processed_{0};
+  std::atomic<bool> over_{false};
+  std::atomic<double> temperature_degC_;
+  LatestValue<Error> last_error_;
+  std::jthread thread_;  // last: ends before anything it uses
+};
+
+}  // namespace ninedot

@@ -1,0 +1,137 @@
+// The landmark is looked for where it was in the frame before, then everywhere. The chosen solver turns it into a pose,
+// and a pose that is not finite or claims no uncertainty at all counts as none. A report is written only at the end,
+// so that a failure on the way leaves the last pose whole.
+#include "pipeline/localiser.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/report_reason.h"
+
+namespace ninedot {
+namespace {
+
+ReportPose report_pose(const Eigen::Vector3d& position_m, const Eigen::Quaterniond& q) noexcept {
+  return {{position_m.x(), position_m.y(), position_m.z()}, {q.w(), q.x(), q.y(), q.z()}};
+}
+
+}  // namespace
+
+bool is_publishable(const PoseEstimate& pose) noexcept {
+  const EllipseParameters& e = pose.ellipse;
+  const double sum = e.swing_psi_rad + e.tilt_phi_rad + e.pan_theta_rad + e.distance_m + e.image_distance_m +
+                     e.deviation_rad + pose.ambiguity + pose.rms_px;
+  return std::isfinite(sum) && pose.T_landmark_camera.rotation.allFinite() &&
+         pose.T_landmark_camera.translation_m.allFinite() && pose.covariance.allFinite() &&
+         (pose.covariance.diagonal().array() > 0).all();
+}
+
+std::uint16_t pose_quality(const PoseEstimate& pose) noexcept {
+  constexpr double kHalfPrecision = 0.005;  // 0.5 % of the distance: what an integrator would still drive on
+  const double sigma_m = std::sqrt(std::max(0.0, pose.covariance.topLeftCorner<3, 3>().trace()));
+  const double ratio = sigma_m / (kHalfPrecision * pose.T_landmark_camera.translation_m.norm());
+  const double precision = 1 / (1 + ratio * ratio);
+  const double visible = std::clamp(pose.dots_used / static_cast<double>(kDotCount), 0.0, 1.0);
+  const double unique = 1 - std::clamp(pose.ambiguity, 0.0, 1.0) / 2;
+  const double quality = 1000 * precision * visible * unique;
+  return std::isfinite(quality) ? static_cast<std::uint16_t>(std::lround(quality)) : std::uint16_t{0};
+}
+
+std::array<double, 6> world_sigmas(const PoseEstimate& pose,
+                                   const Transform<frame::World, frame::Landmark>& T_world_landmark) noexcept {
+  const Eigen::Matrix3d R_world_landmark = T_world_landmark.rotation;
+  const Eigen::Matrix3d R_world_camera = R_world_landmark * pose.T_landmark_camera.rotation;
+  const Eigen::Matrix3d position =
+      R_world_landmark * pose.covariance.topLeftCorner<3, 3>() * R_world_landmark.transpose();
+  const Eigen::Matrix3d rotation =
+      R_world_camera * pose.covariance.bottomRightCorner<3, 3>() * R_world_camera.transpose();
+  std::array<double, 6> sigmas{};
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    sigmas[static_cast<std::size_t>(i)] = std::sqrt(std::max(0.0, position(i, i)));
+    sigmas[static_cast<std::size_t>(i) + 3] = std::sqrt(std::max(0.0, rotation(i, i)));
+  }
+  return sigmas;
+}
+
+Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
+    : options_(options),
+      detector_(camera, options.landmark, options.detector),
+      full_(camera, options.landmark),
+      ellipse_(camera, options.landmark, options.ellipse) {}
+
+Result<LandmarkObservation> Localiser::find(const ImageView& luma, bool& tracked) noexcept {
+  if (options_.tracking && found_last_) {
+    Result<LandmarkObservation> near = detector_.find_landmark_near(luma, seen_);
+    tracked = near.has_value();
+    if (tracked || near.error().code == Errc::kFrameSize) return near;
+  }
+  return detector_.find_landmark(luma);
+}
+
+Result<PoseEstimate> Localiser::solve(const ImageView& luma) noexcept {
+  Result<PoseEstimate> pose =
+      options_.solver == Solver::kFull
+          ? full_.solve(luma, seen_, options_.tracking && solved_last_ ? &pose_.T_landmark_camera : nullptr)
+          : ellipse_.solve(seen_);
+  if (pose && !is_publishable(*pose)) return fail(Errc::kPoseDegenerate, "the pose or its covariance is not finite");
+  return pose;
+}
+
+void Localiser::fill_pose(const PoseEstimate& pose, Report& report) const noexcept {
+  const auto T_world_camera = options_.T_world_landmark * pose.T_landmark_camera;
+  report.camera_in_landmark = report_pose(pose.T_landmark_camera.translation_m, pose.T_landmark_camera.quaternion());
+  report.camera_in_world = report_pose(T_world_camera.translation_m, T_world_camera.quaternion());
+  for (Eigen::Index row = 0; row < 6; ++row)
+    for (Eigen::Index column = 0; column < 6; ++column)
+      report.covariance[static_cast<std::size_t>(6 * row + column)] = pose.covariance(row, column);
+  report.sigma_world = world_sigmas(pose, options_.T_world_landmark);
+  report.landmark_id = options_.landmark_id;
+  report.quality = pose_quality(pose);
+  report.ambiguity = pose.ambiguity;
+  report.ambiguous = pose.ambiguity > options_.max_ambiguity;
+  report.rms_px = pose.rms_px;
+  report.dots_used = static_cast<std::uint16_t>(pose.dots_used);
+  report.occlusion_level = static_cast<std::uint16_t>(pose.occlusion_level);
+  report.swing_psi_rad = pose.ellipse.swing_psi_rad;
+  report.tilt_phi_rad = pose.ellipse.tilt_phi_rad;
+  report.pan_theta_rad = pose.ellipse.pan_theta_rad;
+  report.distance_m = pose.ellipse.distance_m;
+  report.image_distance_m = pose.ellipse.image_distance_m;
+  report.deviation_rad = pose.ellipse.deviation_rad;
+}
+
+void Localiser::process(const ImageView& luma, MonoTime exposed_at, std::uint64_t frame_number,
+                        Report& report) noexcept {
+  const MonoTime begin = mono_now();
+  ++report.heartbeat;
+  report.frame_number = frame_number;
+  report.calibrated = options_.calibrated;
+  report.solver = options_.solver;
+
+  bool tracked = false;
+  const Result<LandmarkObservation> seen = find(luma, tracked);
+  found_last_ = seen.has_value();
+  if (!seen) {
+    solved_last_ = false;
+    mark_invalid(reason_of(seen.error().code), report);
+  } else {
+    seen_ = *seen;
+    const Result<PoseEstimate> pose = solve(luma);
+    solved_last_ = pose.has_value();
+    if (pose) {
+      pose_ = *pose;
+      fill_pose(pose_, report);
+      report.exposed_at = exposed_at;
+      ++report.pose_sequence;
+      report.valid = true;
+      report.reason = Reason::kNone;
+    } else {
+      mark_invalid(reason_of(pose.error().code), report);
+    }
+    report.found = true;
+    report.tracking = tracked;
+  }
+  report.process_time = mono_now() - begin;
+}
+
+}  // namespace ninedot

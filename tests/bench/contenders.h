@@ -1,0 +1,37 @@
+#pragma once
+/// What is timed against what: each finds its marker in a picture and computes the camera's pose, on one thread.
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/camera_model.h"
+#include "image/image_view.h"
+
+namespace ninedot::bench {
+
+/// Built once per camera; `locate` is what is timed.
+class Contender {
+ public:
+  virtual ~Contender() = default;
+  virtual std::string name() const = 0;
+  /// Its marker is in the tagged pictures (paste_tag), not in the recording's own.
+  virtual bool looks_for_tag() const = 0;
+  /// Untimed preparation for pictures like this one.
+  virtual void prepare(const ImageView&) {}
+  /// Camera in S0 [m], or none when nothing was found.
+  virtual std::optional<Eigen::Vector3d> locate(const ImageView& luma) = 0;
+};
+
+/// The whole picture is searched each time.
+std::unique_ptr<Contender> make_full_search(const CameraModel& camera);
+/// Only where the landmark was in the frame before. `prepare` finds it by a full search; then each call leaves what it
+/// found to the next.
+std::unique_ptr<Contender> make_tracking(const CameraModel& camera);
+/// libapriltag, tag36h11, refine_edges 1, one thread, with estimate_tag_pose.
+std::unique_ptr<Contender> make_apriltag(const CameraModel& camera, float quad_decimate);
+/// OpenCV's ArUco with the same dictionary, sub-pixel corners, and solvePnP (IPPE for squares).
+std::unique_ptr<Contender> make_aruco(const CameraModel& camera);
+
+}  // namespace ninedot::bench

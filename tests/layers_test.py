@@ -1,0 +1,203 @@
+#!/usr/bin/python3
+"""Fails on an #include that points the wrong way.
+
+    tests/layers_test.py [ROOT]       checks the tree (default: the one that this script is in)
+    tests/layers_test.py --self-test  proves on made-up trees that each kind of violation is caught
+
+The arrows of docs/architecture.md are the table ALLOWED below; OWNERS says who may use which outside library.
+Files under tests/ may include anything, and nothing outside tests/ may include them.
+"""
+import os
+import re
+import sys
+import tempfile
+
+# A folder may include itself and what stands here: folders, or single headers.
+BASE = ["firmware/base"]
+GEOMETRY_AND_IMAGE = ["firmware/geometry", "firmware/image"] + BASE
+ALLOWED = {
+    "firmware/base": [],
+    "firmware/image": BASE,
+    "firmware/geometry": BASE,
+    "firmware/detect": GEOMETRY_AND_IMAGE,
+    # The detector hands its observation, plain numbers, to the solvers; the detector itself stays unknown to them.
+    "firmware/pose": GEOMETRY_AND_IMAGE + ["firmware/detect/observation.h"],
+    "firmware/aim": GEOMETRY_AND_IMAGE,
+    "firmware/world": ["firmware/geometry"] + BASE,
+    "firmware/calibrate": GEOMETRY_AND_IMAGE + ["firmware/detect", "firmware/pose"],
+    "firmware/ports": ["firmware/image"] + BASE,
+    "firmware/pipeline": ["firmware/ports", "firmware/aim", "firmware/pose", "firmware/detect", "firmware/world",
+                          "proto/report.h"] + GEOMETRY_AND_IMAGE,
+    "firmware/app": ["firmware", "drivers", "proto"],
+    "drivers/*": ["firmware/ports", "firmware/image", "proto", "drivers/posix"] + BASE,
+    "proto": BASE,
+}
+
+# Outside library: (what its headers start with, the folders that may include them). A library that is not here is free.
+OWNERS = [
+    (r"libcamera/", ["drivers/capture"]),
+    (r"linux/videodev2\.h", ["drivers/capture"]),
+    (r"png\.h|turbojpeg\.h", ["drivers/capture"]),
+    (r"gpiod\.(h|hpp)", ["drivers/gpio", "drivers/servo"]),
+    (r"modbus(/|\.h|-)", ["drivers/modbus"]),
+    (r"systemd/", ["drivers/*"]),
+    (r"opencv2/", ["firmware/image", "firmware/detect", "firmware/pose", "firmware/app"]),
+    (r"yaml-cpp/|toml\+\+/|toml\.hpp|CLI/", ["firmware/app"]),
+]
+
+PRODUCT = ("firmware", "drivers", "proto")
+SOURCE = (".h", ".hpp", ".cpp", ".inc")
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+MAX_LINES = 500
+
+
+def sources(root):
+    for top in PRODUCT:
+        for folder, subfolders, names in os.walk(os.path.join(root, top)):
+            subfolders.sort()
+            for name in sorted(names):
+                if name.endswith(SOURCE):
+                    yield os.path.relpath(os.path.join(folder, name), root)
+
+
+def resolve(root, path, included):
+    """The included file inside the tree, as the compiler finds it, or None for a header from outside."""
+    for start in (os.path.dirname(path), "firmware", ""):
+        candidate = os.path.normpath(os.path.join(start, included))
+        if os.path.isfile(os.path.join(root, candidate)):
+            return candidate
+    return None
+
+
+def rule_of(path):
+    """(the folder that a file belongs to, what that folder may include); None where the table knows no such folder."""
+    for key, allowed in ALLOWED.items():
+        if key.endswith("/*"):
+            if path.startswith(key[:-1]) and path.count("/") >= 2:
+                return "/".join(path.split("/")[:2]), allowed
+        elif path.startswith(key + "/"):
+            return key, allowed
+    return None, None
+
+
+def under(path, places):
+    for place in places:
+        if path == place or path.startswith(place.rstrip("*").rstrip("/") + "/"):
+            return True
+    return False
+
+
+def check_include(root, path, included, quoted):
+    """Why `path` must not include `included`, or None."""
+    home, allowed = rule_of(path)
+    target = resolve(root, path, included)
+    if target is not None:
+        if under(target, [home] + allowed):
+            return None
+        return f"{home} must not include {target}: allowed are {', '.join(allowed) or 'no other folder'}"
+    for pattern, owners in OWNERS:
+        if re.match(pattern, included) and not under(path, owners):
+            return f"<{included}> may be used in {', '.join(owners)} only"
+    if quoted:
+        return f'"{included}" is not in the tree: include headers from outside with <>'
+    return None
+
+
+def violations(root):
+    found, count = [], 0
+    for path in sources(root):
+        count += 1
+        if rule_of(path)[0] is None:
+            found.append(f"{path}: its folder is in no layer: add it to ALLOWED in tests/layers_test.py")
+            continue
+        with open(os.path.join(root, path), encoding="utf-8") as file:
+            lines = file.read().splitlines()
+        if len(lines) > MAX_LINES:
+            found.append(f"{path}: {len(lines)} lines, more than {MAX_LINES}: split it by what its parts do")
+        for number, line in enumerate(lines, 1):
+            match = INCLUDE.match(line)
+            if match:
+                why = check_include(root, path, match.group(2), match.group(1) == '"')
+                if why:
+                    found.append(f"{path}:{number}: {why}")
+    return found, count
+
+
+GOOD = {
+    "firmware/base/result.h": "#include <cstdint>\n",
+    "firmware/image/blur.cpp": '#include <opencv2/core.hpp>\n#include "base/result.h"\n',
+    "firmware/geometry/transform.h": "#include <Eigen/Core>\n",
+    "firmware/world/map.h": '#include "geometry/transform.h"\n',
+    "firmware/detect/observation.h": '#include "geometry/transform.h"\n',
+    "firmware/detect/detector.h": '#include "detect/observation.h"\n',
+    "firmware/pose/solver.h": '#include "detect/observation.h"\n',
+    "firmware/ports/frame_source.h": '#include "base/result.h"\n',
+    "firmware/pipeline/localiser.h": '#include "world/map.h"\n#include "proto/report.h"\n#include "detect/detector.h"\n',
+    "firmware/app/main.cpp": '#include <CLI/CLI.hpp>\n#include "drivers/modbus/server.h"\n#include "proto/registers.h"\n',
+    "drivers/modbus/server.h": '#include <modbus.h>\n#include "fd.h"\n#include "drivers/posix/fd.h"\n#include "proto/registers.h"\n',
+    "drivers/modbus/fd.h": '#include "ports/frame_source.h"\n',
+    "drivers/posix/fd.h": "#include <unistd.h>\n",
+    "proto/report.h": '#include "base/result.h"\n',
+    "proto/registers.h": '#include "proto/report.h"\n',
+    "tests/support/render.h": '#include "firmware/app/main.cpp"\n',
+}
+# One file more, and what the report must say about it.
+BAD = [
+    ("firmware/base/a.h", '#include "geometry/transform.h"\n', "firmware/base must not include firmware/geometry"),
+    ("firmware/world/a.h", '#include "detect/detector.h"\n', "firmware/world must not include firmware/detect"),
+    ("firmware/pose/a.h", '#include "detect/detector.h"\n', "firmware/pose must not include firmware/detect/detector.h"),
+    ("firmware/pipeline/a.h", '#include "proto/registers.h"\n', "firmware/pipeline must not include proto/registers.h"),
+    ("firmware/pipeline/a.cpp", '#include "../app/main.cpp"\n', "firmware/pipeline must not include firmware/app"),
+    ("firmware/image/a.cpp", '#include "tests/support/render.h"\n', "firmware/image must not include tests/support"),
+    ("drivers/capture/a.h", '#include "drivers/modbus/server.h"\n', "drivers/capture must not include drivers/modbus"),
+    ("drivers/capture/a.h", '#include "pipeline/localiser.h"\n', "drivers/capture must not include firmware/pipeline"),
+    ("proto/a.cpp", '#include "drivers/posix/fd.h"\n', "proto must not include drivers/posix"),
+    ("drivers/capture/a.cpp", "#include <modbus.h>\n", "<modbus.h> may be used in drivers/modbus only"),
+    ("firmware/pipeline/a.cpp", "  #  include <libcamera/camera.h>\n", "may be used in drivers/capture only"),
+    ("firmware/app/a.cpp", "#include <png.h>\n", "may be used in drivers/capture only"),
+    ("proto/a.cpp", "#include <opencv2/core.hpp>\n", "may be used in firmware/image"),
+    ("firmware/pipeline/a.cpp", "#include <toml++/toml.h>\n", "may be used in firmware/app only"),
+    ("firmware/gadgets/a.cpp", "#include <cstdint>\n", "its folder is in no layer"),
+    ("firmware/base/a.cpp", '#include "base/nowhere.h"\n', "is not in the tree"),
+    ("firmware/base/a.cpp", "\n" * (MAX_LINES + 1), "more than 500"),
+]
+
+
+def write_tree(root, files):
+    for path, text in files.items():
+        os.makedirs(os.path.join(root, os.path.dirname(path)), exist_ok=True)
+        with open(os.path.join(root, path), "w", encoding="utf-8") as file:
+            file.write(text)
+
+
+def self_test():
+    with tempfile.TemporaryDirectory() as root:
+        write_tree(root, GOOD)
+        found, _ = violations(root)
+        assert not found, f"a tree without a violation is refused: {found}"
+    for path, text, expected in BAD:
+        with tempfile.TemporaryDirectory() as root:
+            write_tree(root, {**GOOD, path: text})
+            found, _ = violations(root)
+            assert len(found) == 1 and found[0].startswith(path) and expected in found[0], f"{path} {text!r}: reported {found}"
+    print(f"layers: the check catches all {len(BAD)} kinds of violation")
+
+
+def main():
+    if sys.argv[1:] == ["--self-test"]:
+        self_test()
+        return 0
+    root = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
+    found, count = violations(root)
+    if count == 0:
+        print(f"layers: no source files under {root}", file=sys.stderr)
+        return 1
+    for line in found:
+        print(line, file=sys.stderr)
+    if not found:
+        print(f"layers: {count} files, every arrow points the right way")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,240 @@
+#include "pipeline/frame_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "pipeline/report_reason.h"
+
+namespace ninedot {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Answers what the test put down, one entry per call; then "no frame".
+class ScriptedSource final : public FrameSource, private FrameOwner {
+ public:
+  struct Entry {
+    Errc failure{};  // 0: a frame
+    std::uint64_t frame_number = 0;
+    std::uint32_t dropped_before = 0;
+  };
+  explicit ScriptedSource(std::vector<Entry> script) : script_(std::move(script)) {}
+
+  Result<FrameLease> next(MonoTime deadline) noexcept override {
+    if (at_ == script_.size()) {
+      std::this_thread::sleep_until(deadline);
+      return fail(Errc::kNoFrame, "the script is over");
+    }
+    const Entry& entry = script_[at_++];
+    if (entry.failure != Errc{}) return fail(entry.failure, "as the test wants it", 5);
+    FrameLease lease(this, 0);
+    lease.luma = {pixels_.data(), 4, 4, 4};
+    lease.frame_number = entry.frame_number;
+    lease.exposed_at = mono_now() - 3ms;
+    lease.dropped_before = entry.dropped_before;
+    lease.pan_rad = 0.25;
+    ++lent;
+    return lease;
+  }
+
+  int lent = 0;
+
+ private:
+  void give_back(std::uint32_t) noexcept override { --lent; }
+  std::array<std::uint8_t, 16> pixels_{};
+  std::vector<Entry> script_;
+  std::size_t at_ = 0;
+};
+
+/// Even frames show a landmark at x = frame number, odd ones none.
+class EvenFramesAreFound final : public FrameProcessor {
+ public:
+  void process(const ImageView&, MonoTime exposed_at, std::uint64_t frame_number, Report& report) noexcept override {
+    ++report.heartbeat;
+    report.frame_number = frame_number;
+    if (frame_number % 2 != 0) {
+      mark_invalid(Reason::kNoLandmark, report);
+      return;
+    }
+    ++report.pose_sequence;
+    report.valid = report.found = true;
+    report.reason = Reason::kNone;
+    report.quality = 900;
+    report.exposed_at = exposed_at;
+    report.camera_in_world.position_m[0] = static_cast<double>(frame_number);
+  }
+};
+
+class OrdinaryThread final : public FrameThread {
+ public:
+  explicit OrdinaryThread(int answer) : answer_(answer) {}
+  int enter() noexcept override { return answer_; }
+
+ private:
+  int answer_;
+};
+
+struct Bench {
+  explicit Bench(std::initializer_list<ScriptedSource::Entry> script) : Bench(std::vector(script)) {}
+  explicit Bench(std::vector<ScriptedSource::Entry> script, FrameLoopOptions options = quick())
+      : source(std::move(script)), loop(source, processor, reports, health, options) {}
+  static FrameLoopOptions quick() { return {.wait = 1ms, .stall_after = 20ms, .health_period = 10ms}; }
+
+  ScriptedSource source;
+  EvenFramesAreFound processor;
+  LatestValue<Report> reports;
+  LatestValue<Health> health;
+  FrameLoop loop;
+};
+
+TEST(FrameLoop, SaysThatItIsStartingBeforeTheFirstFrame) {
+  Bench bench({});
+  EXPECT_EQ(bench.reports.read().reason, Reason::kStarting);
+  EXPECT_FALSE(bench.reports.read().valid);
+}
+
+TEST(FrameLoop, PublishesEveryFrameWithItsLatencyAndGivesTheBufferBack) {
+  Bench bench({{.frame_number = 4}});
+  EXPECT_TRUE(bench.loop.step());
+  const Report report = bench.reports.read();
+  EXPECT_TRUE(report.valid);
+  EXPECT_EQ(report.frame_number, 4U);
+  EXPECT_GE(report.latency, 3ms);
+  EXPECT_LT(report.latency, 1s);
+  EXPECT_GE(report.published_at, report.exposed_at + 3ms);
+  EXPECT_EQ(report.pan_rad, 0.25);
+  EXPECT_EQ(bench.source.lent, 0);
+  EXPECT_EQ(bench.loop.frames_processed(), 1U);
+}
+
+TEST(FrameLoop, AStalePoseKeepsItsValuesAndItsTimeButIsNotValid) {
+  Bench bench({{.frame_number = 2}, {.frame_number = 3}});
+  bench.loop.step();
+  const Report fresh = bench.reports.read();
+  bench.loop.step();
+  const Report stale = bench.reports.read();
+  EXPECT_FALSE(stale.valid);
+  EXPECT_EQ(stale.reason, Reason::kNoLandmark);
+  EXPECT_EQ(stale.quality, 0);
+  EXPECT_EQ(stale.camera_in_world.position_m[0], 2);
+  EXPECT_EQ(stale.exposed_at, fresh.exposed_at);
+  EXPECT_EQ(stale.pose_sequence, fresh.pose_sequence);
+  EXPECT_EQ(stale.heartbeat, fresh.heartbeat + 1);
+}
+
+TEST(FrameLoop, CountsDroppedAndFailedFrames) {
+  Bench bench({{.frame_number = 2, .dropped_before = 3},
+               {.failure = Errc::kFrameUnreadable},
+               {.failure = Errc::kFrameSize},
+               {.frame_number = 4, .dropped_before = 1}});
+  for (int i = 0; i < 4; ++i) bench.loop.step();
+  std::this_thread::sleep_for(12ms);
+  bench.loop.step();
+  const Health health = bench.health.read();
+  EXPECT_EQ(health.frames_dropped, 4U);
+  EXPECT_EQ(health.frames_failed, 2U);
+  EXPECT_EQ(health.frames_processed, 2U);
+  EXPECT_GE(health.latency_median, 3ms);
+  EXPECT_GE(health.latency_max, health.latency_median);
+}
+
+TEST(FrameLoop, EveryFailureOfTheSourceBecomesAReportWithItsReason) {
+  const std::array<std::pair<Errc, Reason>, 4> cases{{{Errc::kCameraLost, Reason::kCameraLost},
+                                                      {Errc::kFrameSize, Reason::kFrameSize},
+                                                      {Errc::kFrameUnreadable, Reason::kFrameUnreadable},
+                                                      {Errc::kEndOfStream, Reason::kStopped}}};
+  for (const auto& [errc, reason] : cases) {
+    Bench bench({{.frame_number = 2}, {.failure = errc}});
+    bench.loop.step();
+    ASSERT_TRUE(bench.reports.read().valid);
+    const bool goes_on = bench.loop.step();
+    EXPECT_EQ(goes_on, errc != Errc::kEndOfStream);
+    EXPECT_EQ(bench.loop.over(), errc == Errc::kEndOfStream);
+    EXPECT_FALSE(bench.reports.read().valid);
+    EXPECT_EQ(bench.reports.read().reason, reason);
+    EXPECT_EQ(bench.loop.last_error().code, errc);
+    EXPECT_EQ(bench.loop.last_error().os_errno, 5);
+    EXPECT_EQ(bench.loop.frames_processed(), 1U) << "a failure must not feed the watchdog";
+  }
+}
+
+TEST(FrameLoop, EveryErrorCodeHasAReasonThatIsNotNone) {
+  for (const Errc code : {Errc::kNoFrame, Errc::kEndOfStream, Errc::kCameraLost, Errc::kFrameSize,
+                          Errc::kFrameUnreadable, Errc::kNoLandmark, Errc::kPoseDegenerate, Errc::kIo})
+    EXPECT_NE(reason_of(code), Reason::kNone);
+}
+
+TEST(FrameLoop, ACameraThatDeliversNothingIsLostAfterTheStallTimeAndNoFrameIsNoFaultBefore) {
+  Bench bench({{.frame_number = 2}});
+  bench.loop.step();
+  const MonoTime frame_at = bench.reports.read().published_at;
+  while (bench.reports.read().valid && mono_now() < frame_at + 5s) bench.loop.step();
+  EXPECT_GE(mono_now() - frame_at, 19ms);
+  EXPECT_EQ(bench.reports.read().reason, Reason::kCameraLost);
+  EXPECT_EQ(bench.loop.last_error().code, Errc::kCameraLost);
+  const std::uint64_t version = bench.reports.version();
+  bench.loop.step();
+  EXPECT_EQ(bench.reports.version(), version) << "published on change only";
+}
+
+TEST(FrameLoop, RecoversByItselfAfterAFailure) {
+  Bench bench({{.frame_number = 2}, {.failure = Errc::kCameraLost}, {.frame_number = 6}});
+  for (int i = 0; i < 3; ++i) bench.loop.step();
+  EXPECT_TRUE(bench.reports.read().valid);
+  EXPECT_EQ(bench.reports.read().camera_in_world.position_m[0], 6);
+}
+
+TEST(FrameLoop, FailuresThatComeAtOnceDoNotSpin) {
+  Bench bench(std::vector<ScriptedSource::Entry>(10, {.failure = Errc::kCameraLost}));
+  const MonoTime begin = mono_now();
+  for (int i = 0; i < 10; ++i) bench.loop.step();
+  EXPECT_GE(mono_now() - begin, 49ms);
+}
+
+TEST(FrameLoop, HealthKnowsTheFrameRateAndTheTemperature) {
+  std::vector<ScriptedSource::Entry> script;
+  for (std::uint64_t i = 0; i < 20; ++i) script.push_back({.frame_number = 2 * i});
+  Bench bench(std::move(script));
+  EXPECT_TRUE(std::isnan(bench.health.read().temperature_degC));
+  bench.loop.set_temperature(51.5);
+  for (int i = 0; i < 20; ++i) {
+    std::this_thread::sleep_for(5ms);
+    bench.loop.step();
+  }
+  const Health health = bench.health.read();
+  EXPECT_GT(health.frame_rate_hz, 20);
+  EXPECT_LE(health.frame_rate_hz, 201);
+  EXPECT_EQ(health.temperature_degC, 51.5);
+}
+
+TEST(FrameLoop, RunsOnItsOwnThreadUntilToldToStopAndSaysWhetherItIsRealTime) {
+  for (const int refused : {0, 1}) {
+    Bench bench({{.frame_number = 2}, {.frame_number = 4}});
+    OrdinaryThread thread(refused);
+    EXPECT_EQ(bench.loop.start(thread), refused);
+    EXPECT_EQ(bench.health.read().realtime, refused == 0);
+    const MonoTime begin = mono_now();
+    while (bench.loop.frames_processed() < 2 && mono_now() < begin + 5s) std::this_thread::sleep_for(1ms);
+    EXPECT_EQ(bench.loop.frames_processed(), 2U);
+    bench.loop.stop();
+    EXPECT_LT(mono_now() - begin, 5s);
+  }
+}
+
+TEST(FrameLoop, EndsByItselfWhenTheSourceIsOver) {
+  Bench bench({{.frame_number = 2}, {.failure = Errc::kEndOfStream}});
+  OrdinaryThread thread(0);
+  bench.loop.start(thread);
+  const MonoTime begin = mono_now();
+  while (!bench.loop.over() && mono_now() < begin + 5s) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(bench.loop.over());
+  EXPECT_EQ(bench.reports.read().reason, Reason::kStopped);
+  EXPECT_EQ(bench.reports.read().camera_in_world.position_m[0], 2);
+}
+
+}  // namespace
+}  // namespace ninedot

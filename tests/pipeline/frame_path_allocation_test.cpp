@@ -1,0 +1,66 @@
+// Between taking a frame and publishing its report nothing is allocated: every bundled recording, both solvers, with
+// and without tracking, from the very first frame on.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/camera_file.h"
+#include "drivers/capture/recording_source.h"
+#include "pipeline/frame_loop.h"
+#include "pipeline/localiser.h"
+#include "tests/support/allocation_counter.h"
+
+namespace ninedot {
+namespace {
+
+std::vector<std::string> bundled_recordings() {
+  std::vector<std::string> folders;
+  for (const auto& entry : std::filesystem::directory_iterator(NINEDOT_SOURCE_DIR "/tests/recordings"))
+    if (std::filesystem::exists(entry.path() / "frames")) folders.push_back(entry.path().string());
+  return folders;
+}
+
+struct Outcome {
+  std::uint64_t frames = 0, valid = 0;
+};
+
+Outcome run_and_count(const std::string& recording, Solver solver, bool tracking) {
+  RecordingSource source(recording, {});
+  Localiser localiser(read_camera_file(recording_camera_file(recording)), {.solver = solver, .tracking = tracking});
+  LatestValue<Report> reports;
+  LatestValue<Health> health;
+  FrameLoop loop(source, localiser, reports, health, {.health_period = std::chrono::nanoseconds(1)});
+  Outcome outcome;
+  for (bool goes_on = true; goes_on;) {
+    const std::uint64_t frames_before = loop.frames_processed();
+    {
+      const test::AllocationGuard guard;
+      goes_on = loop.step();
+      EXPECT_EQ(guard.allocations(), 0U) << recording << ", frame " << outcome.frames;
+      EXPECT_EQ(guard.releases(), 0U) << recording << ", frame " << outcome.frames;
+    }
+    outcome.frames += loop.frames_processed() - frames_before;
+    if (loop.frames_processed() != frames_before && reports.read().valid) ++outcome.valid;
+  }
+  return outcome;
+}
+
+TEST(FramePath, AllocatesNothingOverEveryBundledRecordingWithBothSolvers) {
+  const std::vector<std::string> recordings = bundled_recordings();
+  ASSERT_GE(recordings.size(), 2U);
+  for (const std::string& recording : recordings)
+    for (const Solver solver : {Solver::kFull, Solver::kEllipse})
+      for (const bool tracking : {true, false}) {
+        SCOPED_TRACE(recording + (solver == Solver::kFull ? ", full" : ", ellipse"));
+        const Outcome outcome = run_and_count(recording, solver, tracking);
+        EXPECT_GT(outcome.frames, 0U);
+        // A path that never finds anything would not be the path that matters.
+        const bool shows_the_landmark = recording.find("approach") != std::string::npos;
+        EXPECT_TRUE(!shows_the_landmark || outcome.valid > outcome.frames / 2) << outcome.valid;
+      }
+}
+
+}  // namespace
+}  // namespace ninedot

@@ -1,0 +1,211 @@
+#include "pipeline/localiser.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "tests/support/renderer.h"
+#include "world/landmark_map.h"
+
+namespace ninedot {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+test::Scene scene_at(double distance_m) {
+  test::Scene scene;
+  scene.camera = test::look_at_landmark({.distance_m = distance_m, .tilt_rad = 25 * kRadPerDeg, .roll_rad = 0.05});
+  return scene;
+}
+
+test::Picture empty_wall() {
+  test::Scene scene = scene_at(1.5);
+  scene.sheets.clear();
+  return test::render(scene, 3);
+}
+
+double distance_m(const ReportPose& pose, const std::array<double, 3>& p) {
+  return std::hypot(pose.position_m[0] - p[0], pose.position_m[1] - p[1], pose.position_m[2] - p[2]);
+}
+
+PoseEstimate plausible_pose() {
+  PoseEstimate pose;
+  pose.T_landmark_camera.translation_m = {0, 2, 0};
+  pose.covariance = Matrix6d::Identity() * 1e-8;
+  pose.dots_used = 9;
+  return pose;
+}
+
+class LocaliserWithEachSolver : public testing::TestWithParam<Solver> {};
+
+TEST_P(LocaliserWithEachSolver, FillsEveryFieldOfTheReportOfAFrameThatShowsTheLandmark) {
+  const test::Scene scene = scene_at(1.5);
+  const test::Picture picture = test::render(scene, 1);
+  Localiser unit(CameraModel{}, {.solver = GetParam(), .landmark_id = 7});
+  Report report;
+  unit.process(picture.view(), MonoTime(5s), 42, report);
+  EXPECT_TRUE(report.valid && report.found && report.calibrated);
+  EXPECT_FALSE(report.tracking) << "there was no frame before";
+  EXPECT_EQ(report.reason, Reason::kNone);
+  EXPECT_EQ(report.solver, GetParam());
+  EXPECT_EQ(report.frame_number, 42U);
+  EXPECT_EQ(report.heartbeat, 1U);
+  EXPECT_EQ(report.pose_sequence, 1U);
+  EXPECT_EQ(report.exposed_at, MonoTime(5s));
+  EXPECT_EQ(report.landmark_id, 7);
+  EXPECT_EQ(report.dots_used, 9);
+  EXPECT_EQ(report.occlusion_level, 0);
+  EXPECT_GT(report.process_time, 0ns);
+  EXPECT_GT(report.quality, 0);
+  EXPECT_LT(distance_m(report.camera_in_landmark, scene.camera.position_m), 0.03 * 1.5);
+  EXPECT_EQ(report.camera_in_world.position_m, report.camera_in_landmark.position_m);
+  EXPECT_NEAR(report.distance_m, 1.5, 0.03);
+  EXPECT_NEAR(report.tilt_phi_rad, 25 * kRadPerDeg, 3 * kRadPerDeg);
+  EXPECT_GT(report.rms_px, 0);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_GT(report.covariance[7 * i], 0);
+    EXPECT_GT(report.sigma_world[i], 0);
+  }
+}
+
+TEST_P(LocaliserWithEachSolver, TracksFromTheSecondFrameOnAndFindsTheSamePose) {
+  const test::Picture picture = test::render(scene_at(1.5), 1);
+  Localiser unit(CameraModel{}, {.solver = GetParam()});
+  Report first, second;
+  unit.process(picture.view(), MonoTime(1s), 0, first);
+  second = first;
+  unit.process(picture.view(), MonoTime(2s), 1, second);
+  EXPECT_TRUE(second.valid);
+  EXPECT_TRUE(second.tracking);
+  EXPECT_LT(distance_m(second.camera_in_landmark, first.camera_in_landmark.position_m), 0.002);
+}
+
+TEST_P(LocaliserWithEachSolver, NeverTracksWhenToldNotTo) {
+  const test::Picture picture = test::render(scene_at(1.5), 1);
+  Localiser unit(CameraModel{}, {.solver = GetParam(), .tracking = false});
+  Report first, second;
+  unit.process(picture.view(), MonoTime(1s), 0, first);
+  second = first;
+  unit.process(picture.view(), MonoTime(2s), 1, second);
+  EXPECT_FALSE(second.tracking);
+  EXPECT_EQ(second.camera_in_landmark.position_m, first.camera_in_landmark.position_m);
+}
+
+TEST_P(LocaliserWithEachSolver, KeepsTheLastPoseButNotItsValidityWhenTheLandmarkIsGoneAndFindsItAgain) {
+  const test::Picture with = test::render(scene_at(1.5), 1);
+  const test::Picture without = empty_wall();
+  Localiser unit(CameraModel{}, {.solver = GetParam()});
+  Report report;
+  unit.process(with.view(), MonoTime(1s), 0, report);
+  const Report before = report;
+  EXPECT_NE(unit.last_observation(), nullptr);
+  unit.process(without.view(), MonoTime(2s), 1, report);
+  EXPECT_FALSE(report.valid || report.found || report.tracking);
+  EXPECT_EQ(report.reason, Reason::kNoLandmark);
+  EXPECT_EQ(report.quality, 0);
+  EXPECT_EQ(report.exposed_at, MonoTime(1s));
+  EXPECT_EQ(report.pose_sequence, before.pose_sequence);
+  EXPECT_EQ(report.heartbeat, before.heartbeat + 1);
+  EXPECT_EQ(report.camera_in_world.position_m, before.camera_in_world.position_m);
+  EXPECT_EQ(report.covariance, before.covariance);
+  EXPECT_EQ(unit.last_observation(), nullptr);
+  unit.process(with.view(), MonoTime(3s), 2, report);
+  EXPECT_TRUE(report.valid);
+  EXPECT_EQ(report.reason, Reason::kNone);
+}
+
+TEST_P(LocaliserWithEachSolver, FindsTheLandmarkAnywhereWhenItJumpedOutOfItsTrack) {
+  test::Scene scene = scene_at(2);
+  const test::Picture here = test::render(scene, 1);
+  scene.camera = test::look_at_landmark({.distance_m = 1.2, .tilt_rad = 0.4, .off_axis_x_rad = 0.25});
+  const test::Picture there = test::render(scene, 2);
+  Localiser unit(CameraModel{}, {.solver = GetParam()});
+  Report report;
+  unit.process(here.view(), MonoTime(1s), 0, report);
+  unit.process(there.view(), MonoTime(2s), 1, report);
+  EXPECT_TRUE(report.valid);
+  EXPECT_LT(distance_m(report.camera_in_landmark, scene.camera.position_m), 0.05);
+}
+
+TEST_P(LocaliserWithEachSolver, AFrameOfAnotherSizeIsNotValidAndSaysSo) {
+  const test::Picture picture = test::render(scene_at(1.5), 1);
+  Localiser unit(CameraModel{}, {.solver = GetParam()});
+  Report report;
+  unit.process(picture.view(), MonoTime(1s), 0, report);
+  ImageView half = picture.view();
+  half.height_px /= 2;
+  unit.process(half, MonoTime(2s), 1, report);
+  EXPECT_FALSE(report.valid);
+  EXPECT_EQ(report.reason, Reason::kFrameSize);
+}
+
+TEST_P(LocaliserWithEachSolver, PlacesTheCameraInTheWorldByTheMap) {
+  const test::Picture picture = test::render(scene_at(1.5), 1);
+  const auto T_world_landmark = place_upright({10, 20, 1.2}, 0.5);
+  Localiser unit(CameraModel{}, {.solver = GetParam(), .T_world_landmark = T_world_landmark});
+  Report report;
+  unit.process(picture.view(), MonoTime(1s), 0, report);
+  ASSERT_TRUE(report.valid);
+  const auto& p = report.camera_in_landmark.position_m;
+  const Eigen::Vector3d in_world = T_world_landmark * Eigen::Vector3d(p[0], p[1], p[2]);
+  EXPECT_LT(distance_m(report.camera_in_world, {in_world.x(), in_world.y(), in_world.z()}), 1e-12);
+  EXPECT_GE(report.camera_in_world.quaternion_wxyz[0], 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Localiser, LocaliserWithEachSolver, testing::Values(Solver::kFull, Solver::kEllipse),
+                         [](const auto& tested) { return tested.param == Solver::kFull ? "full" : "ellipse"; });
+
+TEST(WorldSigmas, TurnWithTheMap) {
+  PoseEstimate pose = plausible_pose();
+  pose.covariance.diagonal() << 1e-6, 4e-6, 9e-6, 1e-8, 4e-8, 9e-8;
+  const auto at_home = world_sigmas(pose, {});
+  const auto turned = world_sigmas(pose, place_upright(Eigen::Vector3d::Zero(), std::numbers::pi / 2));
+  EXPECT_NEAR(at_home[0], 1e-3, 1e-12);
+  EXPECT_NEAR(at_home[1], 2e-3, 1e-12);
+  EXPECT_NEAR(at_home[5], 3e-4, 1e-12);
+  EXPECT_NEAR(turned[0], 2e-3, 1e-12);
+  EXPECT_NEAR(turned[1], 1e-3, 1e-12);
+  EXPECT_NEAR(turned[2], 3e-3, 1e-12);
+  EXPECT_NEAR(turned[3], 2e-4, 1e-12);
+}
+
+TEST(PoseQuality, IsTheDocumentedFormula) {
+  PoseEstimate pose = plausible_pose();
+  pose.covariance.topLeftCorner<3, 3>().setZero();
+  EXPECT_EQ(pose_quality(pose), 1000);
+  pose.covariance(1, 1) = 1e-4;  // 1 cm of 2 m: half a per cent
+  EXPECT_EQ(pose_quality(pose), 500);
+  pose.dots_used = 3;
+  EXPECT_EQ(pose_quality(pose), 167);
+  pose.ambiguity = 1;
+  EXPECT_EQ(pose_quality(pose), 83);
+}
+
+TEST(PoseQuality, IsZeroForWhatIsNotANumber) {
+  PoseEstimate pose = plausible_pose();
+  pose.ambiguity = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(pose_quality(pose), 0);
+}
+
+TEST(Publishable, IsOnlyAPoseOfFiniteNumbersWithAnUncertainty) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(is_publishable(plausible_pose()));
+  const auto broken = [](auto&& breakage) {
+    PoseEstimate pose = plausible_pose();
+    breakage(pose);
+    return !is_publishable(pose);
+  };
+  EXPECT_TRUE(broken([](PoseEstimate& p) { p.T_landmark_camera.translation_m.x() = kNan; }));
+  EXPECT_TRUE(broken([](PoseEstimate& p) { p.T_landmark_camera.rotation(1, 2) = kNan; }));
+  EXPECT_TRUE(broken([](PoseEstimate& p) { p.covariance(4, 1) = std::numeric_limits<double>::infinity(); }));
+  EXPECT_TRUE(broken([](PoseEstimate& p) { p.covariance(3, 3) = 0; }));
+  EXPECT_TRUE(broken([](PoseEstimate& p) { p.rms_px = kNan; }));
+  EXPECT_TRUE(broken([](PoseEstimate& p) { p.ellipse.pan_theta_rad = kNan; }));
+}
+
+}  // namespace
+}  // namespace ninedot
