@@ -19,6 +19,8 @@ constexpr double kMinContrast_lsb = 5;
 constexpr double kContrastPerNoise = 3;  // below, sixteen directions in which it is brighter outside are no evidence
 constexpr double kMinShare = 0.35;     // of the landmark's typical contrast, scaled by the local light
 constexpr float kSeen = 0.75F;         // of an outline: the dot is there, whole
+constexpr float kFlawless = 0.94F;
+constexpr double kMinScoreOfThree = 4.9;  // three dots, two halves beside them and half of P9, which counts twice: half a sheet
 constexpr float kPartly = 0.30F;       // a dot that something hides in part
 constexpr double kMinPaper = 0.75;     // of the samples between the dots
 
@@ -47,15 +49,18 @@ class Evidence {
 
   Verification judge(const BlobList& blobs) const noexcept {
     Verification v;
-    int whole = 0, partly = 0;
+    int whole = 0, partly = 0, flawless = 0;
     for (std::size_t dot = 0; dot < kDotCount; ++dot) {
       v.visible_fraction[dot] = visible_fraction(dot);
       v.score += v.visible_fraction[dot] * (dot == kCentreDot ? 2 : 1);
       if (dot == kCentreDot) continue;
       whole += v.visible_fraction[dot] >= kSeen;
+      flawless += v.visible_fraction[dot] >= kFlawless;
       partly += v.visible_fraction[dot] >= kPartly && v.visible_fraction[dot] < kSeen;
     }
     const float centre = v.visible_fraction[kCentreDot];
+    // Three points fit any three dots of equal size: then everything else must be flawless.
+    if (hypothesis_.matched <= 3 && (flawless < 3 || v.score < kMinScoreOfThree)) return v;
     const bool enough = (centre >= kSeen && whole >= 3) || (centre >= kPartly && whole >= 3 && whole + partly >= 4) || whole >= 5;
     v.accepted = enough && typical_lsb_ >= std::max(kMinContrast_lsb, kContrastPerNoise * noise_lsb_) && paper_is_blank() &&
                  !centre_is_absent(centre) && isolated_holes(v) <= 1 && 2 * intruders(blobs) <= whole + (centre >= kSeen) - 3;
