@@ -70,7 +70,7 @@ TEST_P(OneFrame, HoldsForEveryReadOfSeveralClientsWhileFramesArrive) {
   options.tcp.emplace().port = 0;
   const ModbusServer server(reports, health, options);
   Count count;
-  
+
   std::uint32_t published = 0;
   {
     const test::Publisher publisher(reports, GetParam());
