@@ -66,21 +66,22 @@ void RtuReceiver::receive(std::span<const std::uint8_t> bytes) noexcept {
   size_ += bytes.size();
 }
 
-std::size_t RtuReceiver::valid_frame_at(std::size_t start) const noexcept {
+std::size_t RtuReceiver::valid_frame_at(std::size_t start, bool behind_noise) const noexcept {
   const std::span<const std::uint8_t> rest(bytes_.data() + start, size_ - start);
   if (rest.size() < kMinFrame) return 0;
   for (const std::size_t length : expected_lengths(rest))
     if (length >= kMinFrame && length <= rest.size() && length <= kMaxRtuFrame && has_valid_crc(rest.first(length)))
       return length;
-  // A function that we don't know, or a request of a wrong length: silence alone tells where it ends.
-  return rest.size() <= kMaxRtuFrame && has_valid_crc(rest) ? rest.size() : 0;
+  // A function that we don't know, or a request of a wrong length: silence alone tells where it ends. Behind noise, one
+  // place in 65536 would match by chance and swallow the true request.
+  return !behind_noise && rest.size() <= kMaxRtuFrame && has_valid_crc(rest) ? rest.size() : 0;
 }
 
 std::optional<RtuRequest> RtuReceiver::end_of_frame() noexcept {
   std::optional<RtuRequest> request;
   std::size_t unresolved = 0;  // bytes before this one are dealt with
   for (std::size_t start = 0; start + kMinFrame <= size_;) {
-    const std::size_t length = valid_frame_at(start);
+    const std::size_t length = valid_frame_at(start, start != unresolved);
     if (length == 0) {
       ++start;
       continue;

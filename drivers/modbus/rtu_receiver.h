@@ -42,7 +42,7 @@ class RtuReceiver {
   std::uint64_t foreign_frames() const noexcept { return foreign_frames_; }
 
  private:
-  std::size_t valid_frame_at(std::size_t start) const noexcept;
+  std::size_t valid_frame_at(std::size_t start, bool behind_noise) const noexcept;
 
   std::uint8_t unit_;
   std::array<std::uint8_t, 2 * kMaxRtuFrame> bytes_{};
