@@ -43,7 +43,7 @@ class CameraParser {
   [[noreturn]] void refuse(const YAML::Node& where, const std::string& what) const {
     const YAML::Mark mark = where.Mark();
     throw StartupError(ExitStatus::kWrongUsage,
-                       fmt::format("{}:{}: {}", name_, mark.is_null() ? 1 : mark.line + 1, what));
+                       one_line(fmt::format("{}:{}: {}", name_, mark.is_null() ? 1 : mark.line + 1, what)));
   }
 
   YAML::Node need(const char* key) const {
@@ -181,7 +181,7 @@ CameraModel parse_camera(std::string_view text, const std::string& name) {
     return CameraParser(root, name).parse();
   } catch (const YAML::Exception& error) {
     const int line = error.mark.is_null() ? 1 : error.mark.line + 1;
-    throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}:{}: not YAML: {}", name, line, error.msg));
+    throw StartupError(ExitStatus::kWrongUsage, one_line(fmt::format("{}:{}: not YAML: {}", name, line, error.msg)));
   }
 }
 

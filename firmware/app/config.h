@@ -1,6 +1,6 @@
 #pragma once
 /// The configuration file: TOML, strict. An unknown, repeated or out-of-range key is an error with its line.
-/// The members below are the reference of all keys: `key`, unit, range, default, and what it does.
+/// config_reference.cpp holds the table of all keys, from which reading, checking and docs/configuration.md follow.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -102,6 +102,7 @@ struct Config {
 
 /// Reads and checks a configuration file.
 /// Throws StartupError(kWrongUsage) with "FILE:LINE: what is wrong and what to write instead".
+/// A relative `calibration`, and a recording's relative `device`, come back as seen from the folder of the file.
 Config read_config(const std::string& path);
 
 }  // namespace ninedot

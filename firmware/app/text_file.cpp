@@ -25,4 +25,10 @@ std::string read_text_file(const std::string& path, std::size_t max_bytes) {
   return std::string(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(*count));
 }
 
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+  return text;
+}
+
 }  // namespace ninedot

@@ -9,4 +9,7 @@ namespace ninedot {
 /// `max_bytes`.
 std::string read_text_file(const std::string& path, std::size_t max_bytes);
 
+/// Error lines quote what users typed: control characters become '?', so that one line stays one line.
+std::string one_line(std::string text);
+
 }  // namespace ninedot

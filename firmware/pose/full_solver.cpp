@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "geometry/planar_pose.h"
+#include "pose/ellipse_parameters.h"
 #include "pose/outline_model.h"
 
 // Start from the dots' centroids (both planar solutions), then Gauss-Newton on the grey levels along all outlines. Groups
@@ -24,6 +25,7 @@ constexpr double kHarmonicSigma_px2 = 0.6;  // prior of the blur's direction
 constexpr double kMeanBlur_px2 = 0.7, kMeanBlurSigma_px2 = 3;
 constexpr double kCentroidSigma_px = 0.2;  // of a blob, for telling the two planar solutions apart at a glance
 constexpr double kDecisive = 60;           // difference of chi^2 above which the other solution is not even refined
+constexpr double kSamePose_rad = 0.005;    // two solutions closer than this are one
 constexpr double kMinGroupShare = 0.3;     // of a dot's groups, to count it as used
 
 struct Refined {
@@ -36,11 +38,12 @@ struct Refined {
   bool converged = false;
 };
 
-double median_of(std::span<double> values) noexcept {
+/// The value that `share` of the values lie below; reorders them.
+double quantile(std::span<double> values, double share) noexcept {
   if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
 
 }  // namespace
@@ -50,9 +53,10 @@ struct FullSolver::Workspace {
       : camera(camera_model), landmark(landmark_geometry), rays(camera_model), pixels(kMaxPixels) {}
 
   Result<PlanarPoses> start_from_centroids(const LandmarkObservation& seen) const noexcept;
-  bool refine(const ImageView& luma, const CameraFromLandmark& start, Refined& out) noexcept;
+  bool refine(const ImageView& luma, CameraFromLandmark start, Refined& out) noexcept;
   void fit_all(const OutlineState& state) noexcept;
   void weigh_groups(int iteration, Refined& out) noexcept;
+  void split_shadowed_dots(double noise_variance) noexcept;
   double difference_of_chi2(const Refined& best, const Refined& other) noexcept;
   PoseEstimate conclude(const Refined& best, double ambiguity) const noexcept;
 
@@ -61,6 +65,7 @@ struct FullSolver::Workspace {
   RayTable rays;
   OutlinePixels pixels;
   std::array<GroupFit, kMaxGroups> fits;
+  std::array<bool, kDotCount> split{};  ///< dots whose light is not smooth: cut into sectors although they are small
 };
 
 Result<PlanarPoses> FullSolver::Workspace::start_from_centroids(const LandmarkObservation& seen) const noexcept {
@@ -89,6 +94,7 @@ void FullSolver::Workspace::fit_all(const OutlineState& state) noexcept {
 void FullSolver::Workspace::weigh_groups(int iteration, Refined& out) noexcept {
   constexpr double kMinContrastShare = 0.3;
   constexpr double kMinContrast_lsb = 4;
+  constexpr double kNoiseQuantile = 0.35;
   // While the pose is still off by pixels every group is shifted, and none is an outlier.
   const double shift_floor_px = iteration == 0 ? 1.5 : iteration == 1 ? 0.6 : 0.12;
   std::array<double, kMaxGroups> contrasts, papers, variances;
@@ -101,10 +107,10 @@ void FullSolver::Workspace::weigh_groups(int iteration, Refined& out) noexcept {
     variances[count] = fit.squared_residuals / fit.degrees_of_freedom;
     ++count;
   }
-  const double contrast_lsb = median_of(std::span(contrasts).first(count));
-  const double paper_lsb = median_of(std::span(papers).first(count));
-  // A twelfth is what rounding to whole grey levels leaves of a noiseless picture.
-  out.noise_variance = std::max(median_of(std::span(variances).first(count)), 1.0 / 12);
+  const double contrast_lsb = quantile(std::span(contrasts).first(count), 0.5);
+  const double paper_lsb = quantile(std::span(papers).first(count), 0.5);
+  // Not the median: half of the groups may be spoiled by shadows. A twelfth is what rounding to whole grey levels leaves of a noiseless picture.
+  out.noise_variance = std::max(quantile(std::span(variances).first(count), kNoiseQuantile), 1.0 / 12);
 
   double sum_weight = 0, sum_shift = 0, sum_chi2 = 0;
   for (std::size_t i = 0; i < pixels.groups.size(); ++i) {
@@ -115,7 +121,7 @@ void FullSolver::Workspace::weigh_groups(int iteration, Refined& out) noexcept {
     const double light = std::clamp(fit.paper_lsb / std::max(paper_lsb, 1.0), 0.25, 1.5);
     if (fit.contrast_lsb < std::max(kMinContrast_lsb, kMinContrastShare * contrast_lsb * light)) continue;
     const double variance = fit.squared_residuals / fit.degrees_of_freedom;
-    const double allowed = 4 * out.noise_variance + std::pow(0.03 * fit.contrast_lsb, 2);
+    const double allowed = 3 * out.noise_variance + std::pow(0.02 * fit.contrast_lsb, 2);
     const double expected_px2 = out.noise_variance / fit.shift_information;
     const double u2 = fit.shift_px * fit.shift_px / (9 * (expected_px2 + shift_floor_px * shift_floor_px));
     weight = 1 / ((1 + u2) * (1 + u2));
@@ -129,18 +135,32 @@ void FullSolver::Workspace::weigh_groups(int iteration, Refined& out) noexcept {
   out.shift_chi2 = freedom > 0 ? sum_chi2 / freedom : 1;
 }
 
-bool FullSolver::Workspace::refine(const ImageView& luma, const CameraFromLandmark& start, Refined& out) noexcept {
+/// A dot that a shadow's edge crosses does not fit one paper and one ink. Its sectors do, but for those on the edge.
+void FullSolver::Workspace::split_shadowed_dots(double noise_variance) noexcept {
+  constexpr double kMaxVariance = 2.5;      // of the noise; smooth light gives 0.7 .. 1.6
+  constexpr double kMaxMisfit = 0.02;       // of the contrast: what the outline's model itself leaves over
+  for (std::size_t i = 0; i < pixels.groups.size(); ++i) {
+    const GroupFit& fit = fits[i];
+    if (!pixels.groups[i].whole_dot || !fit.usable) continue;
+    const double variance = fit.squared_residuals / fit.degrees_of_freedom;
+    if (variance > kMaxVariance * noise_variance + std::pow(kMaxMisfit * fit.contrast_lsb, 2)) split[pixels.groups[i].dot] = true;
+  }
+}
+
+bool FullSolver::Workspace::refine(const ImageView& luma, CameraFromLandmark start, Refined& out) noexcept {
   out.state = OutlineState{};
   out.state.T_camera_landmark = start;
   out.converged = false;
   double band_px = kFirstBand_px;
+  split.fill(false);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     if (iteration <= 2) {
-      collect_outline_pixels(luma, camera, rays, landmark, out.state.T_camera_landmark, band_px, pixels);
+      collect_outline_pixels(luma, camera, rays, landmark, out.state.T_camera_landmark, band_px, split, pixels);
       if (pixels.groups.empty()) return false;
     }
     fit_all(out.state);
     weigh_groups(iteration, out);
+    if (iteration == 1) split_shadowed_dots(out.noise_variance);
 
     UnknownMatrix A = UnknownMatrix::Zero();
     UnknownVector b = UnknownVector::Zero();
@@ -197,6 +217,7 @@ PoseEstimate FullSolver::Workspace::conclude(const Refined& best, double ambigui
   pose.T_landmark_camera = T.inverse();
   pose.ambiguity = ambiguity;
   pose.rms_px = best.rms_px;
+  pose.ellipse = ellipse_parameters(pose.T_landmark_camera, camera, landmark);
 
   // From (rotation about the landmark's origin, translation) of the sheet before the camera to (position of the camera
   // in S0, rotation vector in the camera frame): dc = R_lc (dw x t - dt), w = -dw.
@@ -241,11 +262,15 @@ Result<PoseEstimate> FullSolver::solve(const ImageView& luma, const LandmarkObse
   NINEDOT_TRY(const PlanarPoses starts, w.start_from_centroids(seen));
   const double scale = w.camera.fx_px / kCentroidSigma_px;
   const double coarse = 2 * std::max(seen.seen_count, 4) * (std::pow(starts[1].rms * scale, 2) - std::pow(starts[0].rms * scale, 2));
-  const bool try_both = coarse < kDecisive;
+  const auto angle_between = [](const CameraFromLandmark& a, const CameraFromLandmark& b) {
+    return log_so3(a.rotation.transpose() * b.rotation).norm();
+  };
+  const bool one_minimum = angle_between(starts[0].T_camera_landmark, starts[1].T_camera_landmark) < kSamePose_rad;
+  const bool try_both = !one_minimum && coarse < kDecisive;
 
   Refined first, second;
   bool first_ok = w.refine(luma, starts[0].T_camera_landmark, first);
-  double ambiguity = std::exp(-0.5 * std::max(coarse, 0.0));
+  double ambiguity = one_minimum ? 0 : std::exp(-0.5 * std::max(coarse, 0.0));
   if (try_both) {
     const bool second_ok = w.refine(luma, starts[1].T_camera_landmark, second);
     if (second_ok && !first_ok) {
@@ -254,9 +279,7 @@ Result<PoseEstimate> FullSolver::solve(const ImageView& luma, const LandmarkObse
     } else if (second_ok && first_ok) {
       // The pixels at hand are those of `second`.
       double worse_by = w.difference_of_chi2(second, first);
-      const double apart_rad = log_so3(first.state.T_camera_landmark.rotation.transpose() * second.state.T_camera_landmark.rotation).norm();
-      constexpr double kSamePose_rad = 0.005;
-      const bool same = apart_rad < kSamePose_rad;
+      const bool same = angle_between(first.state.T_camera_landmark, second.state.T_camera_landmark) < kSamePose_rad;
       bool second_wins = worse_by > 0;
       // Where the picture can't tell (3 sigma), the track may.
       if (previous != nullptr && std::abs(worse_by) < 9) {

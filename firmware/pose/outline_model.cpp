@@ -16,8 +16,25 @@ namespace {
 
 constexpr double kMinBlur_px2 = 0.12;  // a pixel alone has 1/12
 constexpr double kMaxBlur_px2 = 25;
-constexpr int kMaxOwn = 4;             // unknowns of a group: paper, ink, two slopes
-constexpr int kColumns = kUnknowns + kMaxOwn;
+constexpr int kMaxOwn = 4;  // unknowns of a group: paper, ink, two slopes
+constexpr int kOwn = kUnknowns;           // first column of the group's own unknowns
+constexpr int kGrey = kUnknowns + kMaxOwn;  // column of the grey level
+constexpr int kColumns = 16;              // padded, so that every row of the sums is whole vectors
+static_assert(kGrey < kColumns);
+
+/// Sums of products of all columns: everything that a step needs, in one pass. Only blocks on and below the diagonal.
+struct Products {
+  alignas(16) std::array<std::array<float, kColumns>, kColumns> sum{};
+
+  void add(const std::array<float, kColumns>& row) noexcept {
+    for (std::size_t block = 0; block < kColumns / 4; ++block)
+      for (std::size_t i = 4 * block; i < 4 * block + 4; ++i)
+        for (std::size_t j = 0; j < 4 * block + 4; ++j) sum[i][j] += row[i] * row[j];
+  }
+  double operator()(int i, int j) const noexcept {
+    return static_cast<double>(sum[static_cast<std::size_t>(std::max(i, j))][static_cast<std::size_t>(std::min(i, j))]);
+  }
+};
 
 /// 1 - Phi(z) and its density. Abramowitz & Stegun, "Handbook of Mathematical Functions", 26.2.17: error below 7.5e-8.
 struct Normal {
@@ -74,22 +91,21 @@ void OutlineState::apply(const UnknownVector& step) noexcept {
 
 void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const LandmarkGeometry& landmark,
                const OutlineState& state, bool with_normal, GroupFit& fit) noexcept {
-  constexpr std::int32_t kMost = 1024;
   fit.usable = false;
-  const std::int32_t count = std::min(group.count, kMost);
+  const std::int32_t count = group.count;
   const int own = group.whole_dot ? 4 : 2;
   fit.degrees_of_freedom = count - own;
   if (fit.degrees_of_freedom < 4) return;
   const DotView v = view_of(pixels, landmark, state.T_camera_landmark, group.dot);
 
-  // Rows: the unknowns' derivatives for contrast 1, then the group's own columns, then the grey level.
-  std::array<std::array<float, kColumns + 2>, kMost> rows;
-  Eigen::Matrix4d BB = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d By = Eigen::Vector4d::Zero();
+  // Columns: the unknowns' derivatives for contrast 1, the group's own, the grey level less a constant (for precision).
+  Products products;
+  alignas(16) std::array<float, kColumns> row{};
   const auto first = static_cast<std::size_t>(group.first);
   const auto blur = static_cast<float>(state.blur_px2);
   const auto blur_cos = static_cast<float>(state.blur_cos_px2), blur_sin = static_cast<float>(state.blur_sin_px2);
   const auto offset = static_cast<float>(state.offset_px);
+  const float grey = pixels.luma[first];
   for (std::int32_t i = 0; i < count; ++i) {
     const std::size_t at = first + static_cast<std::size_t>(i);
     const Eigen::Vector3f m(pixels.ray_x[at], pixels.ray_y[at], 1);
@@ -114,7 +130,6 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
     const float z = d / sigma;
     const Normal cover = normal(z);
 
-    auto& row = rows[static_cast<std::size_t>(i)];
     if (with_normal) {
       const float brighter = cover.density / sigma;  // per px outwards, for contrast 1
       const Eigen::Vector3f arm = depth * m - v.t;
@@ -126,54 +141,48 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
       const float wider = -brighter * z / (2 * sigma);  // per px^2 of variance
       row[7] = wider, row[8] = wider * c2, row[9] = wider * s2;
     }
-    float* b = row.data() + kUnknowns;
-    b[0] = 1 - cover.above;
-    b[1] = cover.above;
-    b[2] = own > 2 ? (1 - cover.above) * 0.1F * (pixels.x_px[at] - group.centre_x_px) : 0;
-    b[3] = own > 2 ? (1 - cover.above) * 0.1F * (pixels.y_px[at] - group.centre_y_px) : 0;
-    b[4] = pixels.luma[at];
-    const Eigen::Vector4d basis(static_cast<double>(b[0]), static_cast<double>(b[1]), static_cast<double>(b[2]), static_cast<double>(b[3]));
-    BB.noalias() += basis * basis.transpose();
-    By.noalias() += basis * static_cast<double>(b[4]);
+    const float paper = 1 - cover.above;
+    row[kOwn] = paper;
+    row[kOwn + 1] = cover.above;
+    if (own > 2) {
+      row[kOwn + 2] = paper * 0.1F * (pixels.x_px[at] - group.centre_x_px);
+      row[kOwn + 3] = paper * 0.1F * (pixels.y_px[at] - group.centre_y_px);
+    }
+    row[kGrey] = pixels.luma[at] - grey;
+    products.add(row);
   }
-  if (own == 2) BB(2, 2) = BB(3, 3) = 1;
-  else BB(2, 2) += 1e-3, BB(3, 3) += 1e-3;
+
+  Eigen::Matrix4d BB;
+  Eigen::Vector4d By;
+  for (int i = 0; i < kMaxOwn; ++i) {
+    By(i) = products(kOwn + i, kGrey);
+    for (int j = 0; j < kMaxOwn; ++j) BB(i, j) = products(kOwn + i, kOwn + j);
+  }
   if (BB(0, 0) < 0.5 || BB(1, 1) < 0.3) return;  // nothing but paper, or nothing but ink, in sight
+  // Slopes that the pixels say nothing of stay zero.
+  constexpr double kLeast = 1e-3;
+  BB(2, 2) += own > 2 ? kLeast : 1;
+  BB(3, 3) += own > 2 ? kLeast : 1;
   const Eigen::LDLT<Eigen::Matrix4d> ldlt(BB);
   const Eigen::Vector4d theta = ldlt.solve(By);
-  fit.paper_lsb = theta(0);
+  fit.paper_lsb = theta(0) + static_cast<double>(grey);
   fit.contrast_lsb = theta(0) - theta(1);
-
-  Eigen::Matrix<double, kUnknowns, 4> JB = Eigen::Matrix<double, kUnknowns, 4>::Zero();
-  fit.normal.setZero();
-  fit.gradient.setZero();
-  fit.squared_residuals = 0;
-  const auto contrast = static_cast<float>(fit.contrast_lsb);
-  const Eigen::Vector4f theta_f = theta.cast<float>();
-  Eigen::Matrix<float, kUnknowns, kUnknowns> normal_f = Eigen::Matrix<float, kUnknowns, kUnknowns>::Zero();
-  Eigen::Matrix<float, kUnknowns, 1> gradient_f = Eigen::Matrix<float, kUnknowns, 1>::Zero();
-  Eigen::Matrix<float, kUnknowns, 4> JB_f = Eigen::Matrix<float, kUnknowns, 4>::Zero();
-  float squares = 0;
-  for (std::int32_t i = 0; i < count; ++i) {
-    const auto& row = rows[static_cast<std::size_t>(i)];
-    const Eigen::Map<const Eigen::Vector4f> basis(row.data() + kUnknowns);
-    const float residual = row[kUnknowns + 4] - basis.dot(theta_f);
-    squares += residual * residual;
-    if (!with_normal) continue;
-    const Eigen::Map<const Eigen::Matrix<float, kUnknowns, 1>> J(row.data());
-    normal_f.noalias() += J * J.transpose();
-    gradient_f.noalias() += J * residual;
-    JB_f.noalias() += J * basis.transpose();
-  }
-  fit.squared_residuals = static_cast<double>(squares);
-  fit.usable = std::isfinite(squares);
+  fit.squared_residuals = std::max(products(kGrey, kGrey) - By.dot(theta), 0.0);
+  fit.usable = std::isfinite(fit.squared_residuals);
   if (!with_normal || !fit.usable) return;
-  JB = JB_f.cast<double>() * fit.contrast_lsb;
-  fit.normal = normal_f.cast<double>() * (fit.contrast_lsb * fit.contrast_lsb) - JB * ldlt.solve(JB.transpose());
-  fit.gradient = gradient_f.cast<double>() * static_cast<double>(contrast);
+
+  Eigen::Matrix<double, kUnknowns, kMaxOwn> JB;
+  for (int i = 0; i < kUnknowns; ++i) {
+    for (int j = 0; j < kMaxOwn; ++j) JB(i, j) = products(i, kOwn + j);
+    fit.gradient(i) = products(i, kGrey) - JB.row(i).dot(theta);
+    for (int j = 0; j < kUnknowns; ++j) fit.normal(i, j) = products(i, j);
+  }
+  fit.gradient *= fit.contrast_lsb;
+  fit.normal -= JB * ldlt.solve(JB.transpose());
+  fit.normal *= fit.contrast_lsb * fit.contrast_lsb;
   fit.shift_information = fit.normal(6, 6);
-  fit.shift_px = fit.shift_information > 0 ? fit.gradient(6) / fit.shift_information : 0;
   fit.usable = fit.shift_information > 0;
+  fit.shift_px = fit.usable ? fit.gradient(6) / fit.shift_information : 0;
 }
 
 }  // namespace ninedot

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kWholeDotBelow_px = 7.0;  // semi-minor axis; larger dots are cut into stretches of kSector_px
 constexpr double kSector_px = 12.0;
+constexpr double kSplitAbove_px = 2.0;     // semi-minor axis; an eighth of a smaller outline is less than two pixels
 
 /// One dot's outline in the picture, as an ellipse.
 struct DotEllipse {
@@ -96,12 +97,13 @@ bool RayTable::ray(int x, int y, float& ray_x, float& ray_y) const noexcept {
 namespace {
 
 /// Appends one dot's pixels, sorted into its sectors. \return false when they do not fit
-bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e, std::uint8_t dot, double band_px, int thin,
+bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e, std::uint8_t dot, double band_px, int thin, bool split,
                 OutlinePixels& out) noexcept {
-  const bool whole = e.semi_minor_px < kWholeDotBelow_px;
+  const bool small = e.semi_minor_px < kWholeDotBelow_px;
+  const bool whole = small && !(split && e.semi_minor_px > kSplitAbove_px);
   const double length_px = std::numbers::pi * (e.semi_major_px + e.semi_minor_px);
   const std::size_t sectors =
-      whole ? 1 : std::clamp<std::size_t>(static_cast<std::size_t>(length_px / kSector_px), 8, kMaxSectors);
+      whole ? 1 : small ? 8 : std::clamp<std::size_t>(static_cast<std::size_t>(length_px / kSector_px), 8, kMaxSectors);
   const double outer = 1 + band_px / e.semi_minor_px;
   const double inner = 1 - band_px / e.semi_minor_px;
   const double reach_px = e.semi_major_px * outer + 1;
@@ -174,7 +176,7 @@ bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e
 
 void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, const RayTable& rays,
                             const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark, double band_px,
-                            OutlinePixels& out) noexcept {
+                            const std::array<bool, kDotCount>& split, OutlinePixels& out) noexcept {
   out.count = 0;
   out.groups.clear();
   out.visible_outlines = 0;
@@ -193,7 +195,7 @@ void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, co
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     if (!in_front[dot]) continue;
     const std::size_t before = out.groups.size();
-    if (!append_dot(luma, rays, ellipses[dot], static_cast<std::uint8_t>(dot), band_px, thin, out)) return;
+    if (!append_dot(luma, rays, ellipses[dot], static_cast<std::uint8_t>(dot), band_px, thin, split[dot], out)) return;
     out.visible_outlines += out.groups.size() > before;
   }
 }

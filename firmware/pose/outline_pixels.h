@@ -52,9 +52,10 @@ class RayTable {
 };
 
 /// Collects the pixels within `band_px` of every dot's outline as the pose predicts it.
+/// \param split  dots to cut into sectors even when they are small, because a shadow's edge crosses them
 /// Above the capacity of `out`, large dots are thinned to every second or third pixel instead of being cut off.
 void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, const RayTable& rays,
                             const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark, double band_px,
-                            OutlinePixels& out) noexcept;
+                            const std::array<bool, kDotCount>& split, OutlinePixels& out) noexcept;
 
 }  // namespace ninedot

@@ -6,8 +6,8 @@
 
 #include "base/mono_time.h"
 #include "pipeline/localiser.h"
-#include "tests/bench/crlb.h"
 #include "tests/bench/picture_quality.h"
+#include "tests/bench/position_bound.h"
 
 namespace ninedot::bench {
 namespace {

@@ -1,7 +1,6 @@
 // Each pixel of the sheet is the Gaussian-weighted mean of 9 x 9 rays through the frame's camera model, over +-1.5 px.
 #include "tests/bench/tag_picture.h"
 
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>

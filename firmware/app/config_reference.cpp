@@ -1,0 +1,212 @@
+#include "app/config_reference.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace ninedot {
+namespace {
+
+// The smallest length of a landmark: a tenth of a millimetre is beyond any printer and any camera.
+constexpr double kMinLength_mm = 0.1;
+constexpr double kMaxLength_mm = 10000;
+constexpr double kMaxPosition_mm = 1e7;  // 10 km
+
+// A macro keeps the table one line per key: a captureless lambda cannot be written shorter.
+#define SLOT(member) [](Config& config) -> ConfigSlot { return &config.member; }
+
+constexpr std::string_view kPixelFormats = "auto|GREY|Y10|Y12|Y16|YUYV|UYVY|NV12|NV21|YU12|MJPG";
+
+const std::array kKeys{
+    ConfigKey{"camera", "source", "", 0, 0, "libcamera|v4l2|recording|simulated", "where frames come from",
+              SLOT(camera.source)},
+    ConfigKey{
+        "camera", "device", "", 0, 0, "",
+        "V4L2 path, libcamera id, or the recording's folder or .y4m file; a recording's relative path starts at the "
+        "folder of the configuration file",
+        SLOT(camera.device)},
+    ConfigKey{"camera", "width_px", "px", 16, 8192, "", "width of the pictures", SLOT(camera.width_px)},
+    ConfigKey{"camera", "height_px", "px", 16, 8192, "", "height of the pictures", SLOT(camera.height_px)},
+    ConfigKey{"camera", "rate_hz", "Hz", 0.1, 1000, "", "frames per second asked of the camera, or of the recording",
+              SLOT(camera.rate_hz)},
+    ConfigKey{"camera", "pixel_format", "", 0, 0, kPixelFormats, "format asked of the camera",
+              SLOT(camera.pixel_format)},
+    ConfigKey{"camera", "exposure_us", "us", 0, 1e6, "", "exposure time; 0 = automatic", SLOT(camera.exposure_us)},
+    ConfigKey{"camera", "gain", "", 0, 1000, "", "sensor gain; 0 = automatic", SLOT(camera.gain)},
+    ConfigKey{
+        "camera", "calibration", "", 0, 0, "",
+        "camera.yaml of this camera and lens; a relative path starts at the folder of the configuration file; empty = "
+        "the recording's own",
+        SLOT(camera.calibration)},
+    ConfigKey{"camera", "loop", "", 0, 0, "", "a recording starts again at its end", SLOT(camera.loop)},
+
+    ConfigKey{"landmark", "ring_radius_mm", "mm", kMinLength_mm, kMaxLength_mm, "",
+              "radius of the circle through the middles of P1..P8", SLOT(landmark.ring_radius_mm)},
+    ConfigKey{"landmark", "dot_diameter_mm", "mm", kMinLength_mm, kMaxLength_mm, "", "of P1..P8; dots must not touch",
+              SLOT(landmark.dot_diameter_mm)},
+    ConfigKey{"landmark", "centre_diameter_mm", "mm", kMinLength_mm, kMaxLength_mm, "", "of P9, the largest dot",
+              SLOT(landmark.centre_diameter_mm)},
+    ConfigKey{"landmark", "expected_roll_deg", "deg", -180, 180, "",
+              "roll of the camera about its optical axis at which P1 is the lowest dot",
+              SLOT(landmark.expected_roll_deg)},
+
+    ConfigKey{"landmarks", "id", "", 0, 65535, "", "number in reports, unique; must be given",
+              [](Config& config) -> ConfigSlot { return &config.landmarks.back().id; }},
+    ConfigKey{
+        "landmarks", "code", "", 0, 0, "",
+        "colours of P1..P8, eight of K (black) R G B, different from every turn of itself and of the others; empty = "
+        "black and white",
+        [](Config& config) -> ConfigSlot { return &config.landmarks.back().code; }},
+    ConfigKey{"landmarks", "position_mm", "mm", -kMaxPosition_mm, kMaxPosition_mm, "",
+              "[x, y, z] of the middle of P9 in the world, Z up",
+              [](Config& config) -> ConfigSlot {
+                MapLandmarkConfig& landmark = config.landmarks.back();
+                return PositionSlot{&landmark.x_mm, &landmark.y_mm, &landmark.z_mm};
+              }},
+    ConfigKey{"landmarks", "heading_deg", "deg", -360, 360, "", "turn of the upright sheet about the world's Z",
+              [](Config& config) -> ConfigSlot { return &config.landmarks.back().heading_deg; }},
+
+    ConfigKey{"pose", "solver", "", 0, 0, "full|ellipse",
+              "`full`: near the maximum likelihood; `ellipse`: the founding paper's", SLOT(pose.solver)},
+    ConfigKey{"pose", "tracking", "", 0, 0, "", "look where the landmark was before searching the whole picture",
+              SLOT(pose.tracking)},
+    ConfigKey{"pose", "max_ambiguity", "", 0, 1, "", "above, the status bit `ambiguous` is set",
+              SLOT(pose.max_ambiguity)},
+
+    ConfigKey{"pose.ellipse", "kmm_mm_per_px", "mm/px", 0, 1, "", "Kmm of equation (6); 0 = of the calibrated camera",
+              SLOT(ellipse.kmm_mm_per_px)},
+    ConfigKey{"pose.ellipse", "p1", "mm/px", -1, 1, "", "F(D') = p1 + p2 D'^p3 (9), D' in mm; 0 = no refinement",
+              SLOT(ellipse.p1)},
+    ConfigKey{"pose.ellipse", "p2", "", -1e6, 1e6, "", "of the same", SLOT(ellipse.p2)},
+    ConfigKey{"pose.ellipse", "p3", "", -10, 10, "", "of the same", SLOT(ellipse.p3)},
+    ConfigKey{"pose.ellipse", "cu", "", -1, 1, "", "off-centre correction along u (32)", SLOT(ellipse.cu)},
+    ConfigKey{"pose.ellipse", "cv", "", -1, 1, "", "off-centre correction along v (33)", SLOT(ellipse.cv)},
+
+    ConfigKey{"pan_tilt", "driver", "", 0, 0, "none|sysfs-pwm|gpio|visca|simulated", "how the head is moved",
+              SLOT(pan_tilt.driver)},
+
+    ConfigKey{"modbus", "position_scale_16bit_mm", "mm", 0.01, 100, "", "one step of the 16-bit x, y, z",
+              SLOT(modbus.position_scale_16bit_mm)},
+    ConfigKey{"modbus", "float_word_order", "", 0, 0, "high-first|low-first", "which half of a float32 comes first",
+              SLOT(modbus.float_word_order)},
+    ConfigKey{"modbus", "allow_writes", "", 0, 0, "", "take commands by function codes 06 and 16",
+              SLOT(modbus.allow_writes)},
+    ConfigKey{"modbus", "hold_ms", "ms", 10, 10000, "", "HOLD releases itself after this time", SLOT(modbus.hold_ms)},
+
+    ConfigKey{"modbus.tcp", "listen", "", 0, 0, "", "IPv4 or IPv6 address; 0.0.0.0 = on all networks",
+              SLOT(modbus_tcp.listen)},
+    ConfigKey{"modbus.tcp", "port", "", 1, 65535, "", "TCP port; below 1024 only with CAP_NET_BIND_SERVICE",
+              SLOT(modbus_tcp.port)},
+    ConfigKey{"modbus.tcp", "max_clients", "", 1, 64, "", "connections at a time", SLOT(modbus_tcp.max_clients)},
+    ConfigKey{"modbus.tcp", "idle_timeout_s", "s", 1, 86400, "",
+              "a connection without a request is closed after this time", SLOT(modbus_tcp.idle_timeout_s)},
+    ConfigKey{"modbus.tcp", "allow", "", 0, 0, "", "addresses that may connect; empty = all", SLOT(modbus_tcp.allow)},
+
+    ConfigKey{"modbus.rtu", "device", "", 0, 0, "", "serial port", SLOT(modbus_rtu.device)},
+    ConfigKey{"modbus.rtu", "baud", "", 1200, 921600, "", "one of the standard rates", SLOT(modbus_rtu.baud)},
+    ConfigKey{"modbus.rtu", "parity", "", 0, 0, "N|E|O", "none (two stop bits), even or odd", SLOT(modbus_rtu.parity)},
+    ConfigKey{"modbus.rtu", "unit", "", 1, 247, "", "this device's address on the line", SLOT(modbus_rtu.unit)},
+
+    ConfigKey{"service", "realtime_priority", "", 0, 99, "", "SCHED_FIFO priority of the frame loop; 0 = off",
+              SLOT(service.realtime_priority)},
+    ConfigKey{"service", "lock_memory", "", 0, 0, "", "keep the service in memory (mlockall)",
+              SLOT(service.lock_memory)},
+};
+#undef SLOT
+
+struct TableMeaning {
+  std::string_view table, meaning;
+};
+constexpr std::array kTables{
+    TableMeaning{"camera", "The camera, or what stands in for it."},
+    TableMeaning{"landmark", "The geometry that all landmarks share."},
+    TableMeaning{"landmarks",
+                 "The map: one table `[[landmarks]]` for each landmark. None = one black-and-white landmark, id 0, at "
+                 "the world's origin. Upright on a wall is heading 0."},
+    TableMeaning{"pose", "How the pose is computed."},
+    TableMeaning{"pose.ellipse", "What the founding paper calibrates off line, for `solver = \"ellipse\"`."},
+    TableMeaning{"pan_tilt", "The pan/tilt head."},
+    TableMeaning{"modbus", "What both Modbus servers share."},
+    TableMeaning{"modbus.tcp", "Modbus TCP; served when the table is there, be it empty."},
+    TableMeaning{"modbus.rtu", "Modbus RTU on a serial line; served when the table is there, be it empty."},
+    TableMeaning{"service", "How `ninedotd` runs."},
+};
+
+/// What a key is when the file does not say.
+std::string default_text(const ConfigKey& key) {
+  Config config;
+  config.landmarks.emplace_back();
+  struct Printer {
+    std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
+    std::string operator()(const int* value) const { return fmt::format("{}", *value); }
+    std::string operator()(const std::uint16_t* value) const { return fmt::format("{}", *value); }
+    std::string operator()(const std::uint32_t* value) const { return fmt::format("{}", *value); }
+    std::string operator()(const double* value) const { return fmt::format("{}", *value); }
+    std::string operator()(const char* value) const { return fmt::format("\"{}\"", *value); }
+    std::string operator()(const std::string* value) const { return fmt::format("\"{}\"", *value); }
+    std::string operator()(const std::vector<std::string>*) const { return "[]"; }
+    std::string operator()(const PositionSlot&) const { return "[0, 0, 0]"; }
+  };
+  return std::visit(Printer{}, key.slot(config));
+}
+
+std::string range_text(const ConfigKey& key) {
+  if (!key.choices.empty()) {
+    std::string text;
+    for (const char c : key.choices) text += c == '|' ? std::string(", ") : std::string(1, c);
+    return text;
+  }
+  Config config;
+  config.landmarks.emplace_back();
+  struct Printer {
+    const ConfigKey& key;
+    std::string numbers() const { return fmt::format("{} .. {}", key.min, key.max); }
+    std::string operator()(const bool*) const { return "true, false"; }
+    std::string operator()(const int*) const { return numbers(); }
+    std::string operator()(const std::uint16_t*) const { return numbers(); }
+    std::string operator()(const std::uint32_t*) const { return numbers(); }
+    std::string operator()(const double*) const { return numbers(); }
+    std::string operator()(const char*) const { return "letter"; }
+    std::string operator()(const std::string*) const { return "text"; }
+    std::string operator()(const std::vector<std::string>*) const { return "list of texts"; }
+    std::string operator()(const PositionSlot&) const { return "three, each " + numbers(); }
+  };
+  return std::visit(Printer{key}, key.slot(config));
+}
+
+constexpr std::string_view kIntroduction = R"(# Configuration
+
+One TOML file. It is read strictly: an unknown, repeated or out-of-range key is an error that names its line, and so is a
+landmark whose dots touch. `ninedot check --config FILE` says what the service would refuse, before the service is started.
+Every key may be left out unless its line says otherwise.
+
+This page is made from the table in `firmware/app/config_reference.cpp`; a test compares the two.
+)";
+
+}  // namespace
+
+std::span<const ConfigKey> config_keys() { return kKeys; }
+
+std::string_view config_table_meaning(std::string_view table) {
+  for (const TableMeaning& entry : kTables)
+    if (entry.table == table) return entry.meaning;
+  return {};
+}
+
+std::string format_config_reference() {
+  std::string text(kIntroduction);
+  std::string_view table;
+  for (const ConfigKey& key : kKeys) {
+    if (key.table != table) {
+      table = key.table;
+      const bool is_array = table == "landmarks";
+      text += fmt::format("\n## {}{}{}\n\n{}\n\n| key | unit | range | default | meaning |\n|---|---|---|---|---|\n",
+                          is_array ? "[[" : "[", table, is_array ? "]]" : "]", config_table_meaning(table));
+    }
+    text += fmt::format("| `{}` | {} | {} | `{}` | {} |\n", key.name, key.unit, range_text(key), default_text(key),
+                        key.meaning);
+  }
+  return text;
+}
+
+}  // namespace ninedot
