@@ -174,6 +174,23 @@ class Evidence {
     return contradictions >= 3;
   }
 
+  /// Stands out from all around by as much, in proportion to the light, as ink does: not a stain on something that hides
+  /// the sheet.
+  bool is_ink_on_paper(const Eigen::Vector2d& plane_m) const noexcept {
+    constexpr double kLikeInk = 0.75;
+    constexpr int kAround = 8;
+    const auto middle = sample(luma_, map_point(H_, plane_m));
+    if (!middle) return false;
+    int standing_out = 0;
+    for (int d = 0; d < kAround; ++d) {
+      const double a_rad = d * 2 * std::numbers::pi / kAround;
+      const Eigen::Vector2d off = 1.7 * landmark_.dot_radius_m * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad));
+      const auto around = sample(luma_, map_point(H_, plane_m + off));
+      standing_out += around && (*around - *middle) * paper_lsb_ > kLikeInk * typical_lsb_ * *around;
+    }
+    return standing_out >= kAround - 2;
+  }
+
   /// Blobs of a ring dot's size inside the sheet's dotted part that no dot accounts for.
   int intruders(const BlobList& blobs) const noexcept {
     const Eigen::Matrix3d& H = hypothesis_.H_px_plane;
@@ -188,9 +205,7 @@ class Evidence {
           std::numbers::pi * landmark_.dot_radius_m * landmark_.dot_radius_m * jacobian_of_map(H, plane_m).determinant();
       if (blob.area_px2 < 0.4 * area_px2 || blob.area_px2 > 2.5 * area_px2) continue;
       if (std::find(hypothesis_.blob.begin(), hypothesis_.blob.end(), static_cast<int>(i)) != hypothesis_.blob.end()) continue;
-      // A stripe or a shadow of something in front of the sheet is seldom as dark as ink.
-      const auto grey = sample(luma_, map_point(H_, plane_m));
-      if (!grey || *grey > paper_lsb_ - 0.65 * typical_lsb_) continue;
+      if (!is_ink_on_paper(plane_m)) continue;
       // The same dot found a second time, or a part of it, is no intruder.
       bool on_a_dot = false;
       for (std::size_t dot = 0; dot < kDotCount; ++dot)

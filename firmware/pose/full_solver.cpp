@@ -36,7 +36,7 @@ struct Refined {
   double model_variance_px2 = 0;  // of the groups' places, beyond the noise
   double rms_px = 0;
   std::array<double, kMaxGroups> weight{};  // in the normal equations
-  std::array<double, kMaxGroups> trust{};   // 0 = an outlier .. 1
+  std::array<bool, kMaxGroups> outline_there{};  // an outline where it belongs, though its light may be spoiled
   bool converged = false;
 };
 
@@ -120,7 +120,8 @@ void FullSolver::Workspace::weigh_groups(int iteration, Refined& out) noexcept {
   for (std::size_t i = 0; i < pixels.groups.size(); ++i) {
     const GroupFit& fit = fits[i];
     double& weight = out.weight[i];
-    weight = out.trust[i] = 0;
+    weight = 0;
+    out.outline_there[i] = false;
     if (!fit.usable) continue;
     const double light = std::clamp(fit.paper_lsb / std::max(paper_lsb, 1.0), 0.25, 1.5);
     if (fit.contrast_lsb < std::max(kMinContrast_lsb, kMinContrastShare * contrast_lsb * light)) continue;
@@ -130,10 +131,11 @@ void FullSolver::Workspace::weigh_groups(int iteration, Refined& out) noexcept {
     const double u2 =
         fit.shift_px * fit.shift_px / (9 * (expected_px2 + out.model_variance_px2 + shift_floor_px * shift_floor_px));
     double trust = 1 / ((1 + u2) * (1 + u2));
-    if (variance > allowed) trust *= std::pow(allowed / variance, 2);
+    const double misfit = std::max(variance / allowed, 1.0);
+    out.outline_there[i] = trust / std::max(misfit * misfit / 64, 1.0) > 0.25;
+    trust /= misfit * misfit;
     sum_weight += trust;
     sum_shift += trust * fit.shift_px * fit.shift_px;
-    out.trust[i] = trust;
     weight = trust / (1 + out.model_variance_px2 / expected_px2);
   }
   out.rms_px = sum_weight > 0 ? std::sqrt(sum_shift / sum_weight) : 0;
@@ -275,7 +277,7 @@ PoseEstimate FullSolver::Workspace::conclude(const Refined& best, double ambigui
   std::array<int, kDotCount> groups{}, good{};
   for (std::size_t i = 0; i < pixels.groups.size(); ++i) {
     ++groups[pixels.groups[i].dot];
-    good[pixels.groups[i].dot] += best.trust[i] > 0.25;
+    good[pixels.groups[i].dot] += best.outline_there[i];
   }
   int ring_missing = 0;
   bool centre_missing = false;

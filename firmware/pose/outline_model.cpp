@@ -154,7 +154,7 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
       row[0] = turn.x(), row[1] = turn.y(), row[2] = turn.z();
       row[3] = move.x(), row[4] = move.y(), row[5] = move.z();
       row[6] = -brighter;
-      const float wider = -brighter * z / (2 * sigma);  // per px^2 of variance
+      const float wider = brighter * (0.5F * bend - z / (2 * sigma));  // per px^2 of variance
       row[7] = wider, row[8] = wider * c2, row[9] = wider * s2;
     }
     const float paper = 1 - cover.above;

@@ -1,0 +1,91 @@
+#include "detect/blob_finder.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace ninedot {
+namespace {
+
+/// One dark ellipse, blurred by 0.6 px, on a slope of light, with noise.
+std::vector<std::uint8_t> one_ellipse(double x_px, double y_px, double a_px, double b_px, double angle_rad, double noise_lsb) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, noise_lsb);
+  std::vector<std::uint8_t> pixels(640 * 480);
+  for (int y = 0; y < 480; ++y)
+    for (int x = 0; x < 640; ++x) {
+      double cover = 0;
+      if (std::hypot(x - x_px, y - y_px) < a_px + 3) {
+        for (int sub = 0; sub < 64; ++sub) {
+          const double dx = x + (sub % 8 + 0.5) / 8 - 0.5 - x_px, dy = y + (sub / 8 + 0.5) / 8 - 0.5 - y_px;
+          const double u = (dx * std::cos(angle_rad) + dy * std::sin(angle_rad)) / a_px;
+          const double v = (-dx * std::sin(angle_rad) + dy * std::cos(angle_rad)) / b_px;
+          cover += (u * u + v * v < 1) / 64.0;
+        }
+      }
+      const double paper = 150 + 0.12 * x;
+      pixels[static_cast<std::size_t>(y * 640 + x)] =
+          static_cast<std::uint8_t>(std::clamp(std::lround(paper * (1 - 0.75 * cover) + noise(random)), 0L, 255L));
+    }
+  return pixels;
+}
+
+const Blob* nearest(const BlobList& blobs, double x_px, double y_px) {
+  const auto distance = [&](const Blob& b) { return std::hypot(b.x_px - x_px, b.y_px - y_px); };
+  const Blob* best = std::min_element(blobs.begin(), blobs.end(), [&](const Blob& a, const Blob& b) { return distance(a) < distance(b); });
+  return best != blobs.end() && distance(*best) < 2 ? best : nullptr;
+}
+
+class DotSizes : public testing::TestWithParam<double> {};
+
+TEST_P(DotSizes, AreFoundWithTheirCentreAreaAndAxes) {
+  const double diameter_px = GetParam();
+  const double a_px = diameter_px / 2, b_px = a_px * 0.8;
+  const auto pixels = one_ellipse(320.3, 200.7, a_px, b_px, 0.5, 1.5);
+  BlobFinder finder(640, 480);
+  BlobList blobs;
+  finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs);
+  const Blob* blob = nearest(blobs, 320.3, 200.7);
+  ASSERT_NE(blob, nullptr) << diameter_px;
+  EXPECT_NEAR(blob->x_px, 320.3, 0.12 + 0.004 * diameter_px);
+  EXPECT_NEAR(blob->y_px, 200.7, 0.12 + 0.004 * diameter_px);
+  EXPECT_NEAR(blob->area_px2 / (M_PI * a_px * b_px), 1, 0.06 + 1.2 / diameter_px);
+  EXPECT_NEAR(blob->semi_major_px(), a_px, 0.5 + 0.03 * a_px);
+}
+
+// 2.4 px: a ring dot at 7.6 m; 130 px: P9 at 0.28 m.
+INSTANTIATE_TEST_SUITE_P(BlobFinder, DotSizes, testing::Values(2.6, 4.0, 8.0, 16.0, 24.0, 40.0, 70.0, 100.0, 130.0));
+
+TEST(BlobFinder, FindsTheSameBlobInAPartOfThePictureAsInTheWhole) {
+  const auto pixels = one_ellipse(320.3, 200.7, 6, 5, 0.5, 1.5);
+  BlobFinder finder(640, 480);
+  BlobList whole, part;
+  finder.find_blobs({pixels.data(), 640, 480, 640}, {}, whole);
+  const std::uint8_t* corner = pixels.data() + 140 * 640 + 260;
+  finder.find_blobs({corner, 120, 120, 640}, {}, part);
+  const Blob* a = nearest(whole, 320.3, 200.7);
+  const Blob* b = nearest(part, 60.3, 60.7);
+  ASSERT_TRUE(a != nullptr && b != nullptr);
+  EXPECT_NEAR(a->x_px, b->x_px + 260, 0.02);
+  EXPECT_NEAR(a->y_px, b->y_px + 140, 0.02);
+}
+
+TEST(BlobFinder, TakesBlankPaperAndPureNoiseForNothing) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(120, 6);
+  std::vector<std::uint8_t> pixels(640 * 480);
+  for (auto& pixel : pixels) pixel = static_cast<std::uint8_t>(std::clamp(noise(random), 0.0, 255.0));
+  BlobFinder finder(640, 480);
+  BlobList blobs;
+  finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs);
+  EXPECT_LT(blobs.size(), 300U);
+  std::fill(pixels.begin(), pixels.end(), std::uint8_t{120});
+  finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs);
+  EXPECT_TRUE(blobs.empty());
+}
+
+}  // namespace
+}  // namespace ninedot

@@ -1,0 +1,167 @@
+#include "detect/detector.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "tests/support/renderer.h"
+
+namespace ninedot {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+test::Scene scene_at(const test::Viewpoint& viewpoint, double noise_lsb = 1.5) {
+  test::Scene scene;
+  scene.camera = test::look_at_landmark(viewpoint);
+  set_noise(scene.sensor, noise_lsb);
+  return scene;
+}
+
+/// Where a point of the sheet appears, from the renderer's pose alone.
+Eigen::Vector2d pixel_of(const test::Scene& scene, const Eigen::Vector2d& plane_m) {
+  const auto& q = scene.camera.quaternion_wxyz;
+  const auto& p = scene.camera.position_m;
+  const Eigen::Vector3d in_camera =
+      Eigen::Quaterniond(q[0], q[1], q[2], q[3]).conjugate() * (Eigen::Vector3d(plane_m.x(), 0, plane_m.y()) - Eigen::Vector3d(p[0], p[1], p[2]));
+  return {720 * in_camera.x() / in_camera.z() + 319.5, 720 * in_camera.y() / in_camera.z() + 239.5};
+}
+
+/// Every dot that is reported as seen lies where its number says.
+void expect_dots_in_place(const test::Scene& scene, const LandmarkObservation& seen, double tolerance_px) {
+  const LandmarkGeometry landmark;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    if (!seen.dots[dot].seen) continue;
+    const Eigen::Vector2d expected = pixel_of(scene, landmark.centre_m(dot));
+    EXPECT_LT((seen.dots[dot].centroid_px - expected).norm(), tolerance_px) << "P" << dot + 1;
+  }
+}
+
+struct View {
+  const char* name;
+  test::Viewpoint viewpoint;
+  int min_seen;
+};
+
+class Views : public testing::TestWithParam<View> {};
+
+TEST_P(Views, AreFoundWithEveryDotNumberedRight) {
+  const test::Scene scene = scene_at(GetParam().viewpoint);
+  const test::Picture picture = test::render(scene, 1);
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  const auto seen = detector.find_landmark(picture.view());
+  ASSERT_TRUE(seen.has_value()) << GetParam().name;
+  EXPECT_GE(seen->seen_count, GetParam().min_seen);
+  // The centre of a projected disc is not its centre's projection: up to r^2 sin t cos t / f, 2.6 px at 0.3 m.
+  expect_dots_in_place(scene, *seen, 0.4 + 0.8 / GetParam().viewpoint.distance_m);
+  const auto again = detector.find_landmark_near(picture.view(), *seen);
+  ASSERT_TRUE(again.has_value());
+  expect_dots_in_place(scene, *again, 0.4 + 0.8 / GetParam().viewpoint.distance_m);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Detector, Views,
+    testing::Values(View{"near", {.distance_m = 0.3, .tilt_rad = 20 * kDegree}, 9},
+                    View{"middle", {.distance_m = 1.5, .tilt_rad = 30 * kDegree, .azimuth_rad = 2}, 9},
+                    View{"far", {.distance_m = 5, .tilt_rad = 20 * kDegree}, 8},
+                    View{"farthest", {.distance_m = 7, .tilt_rad = 20 * kDegree}, 3},
+                    View{"steep", {.distance_m = 1.5, .tilt_rad = 75 * kDegree}, 6},
+                    View{"steep from above", {.distance_m = 1.0, .tilt_rad = 65 * kDegree, .azimuth_rad = 1.2}, 7},
+                    View{"rolled", {.distance_m = 2, .tilt_rad = 10 * kDegree, .roll_rad = 20 * kDegree}, 9},
+                    View{"in the corner", {.distance_m = 1.5, .tilt_rad = 25 * kDegree, .off_axis_x_rad = 17 * kDegree, .off_axis_y_rad = 12 * kDegree}, 9}),
+    [](const auto& param_info) {
+      std::string name = param_info.param.name;
+      std::replace(name.begin(), name.end(), ' ', '_');
+      return name;
+    });
+
+TEST(Detector, NumbersTheRingByTheExpectedRoll) {
+  test::Scene scene = scene_at({.distance_m = 1.2, .tilt_rad = 15 * kDegree, .roll_rad = 90 * kDegree});
+  const test::Picture picture = test::render(scene, 1);
+  Detector upright(CameraModel{}, LandmarkGeometry{});
+  const auto wrong = upright.find_landmark(picture.view());
+  ASSERT_TRUE(wrong.has_value());
+  EXPECT_GT((wrong->dots[0].centroid_px - pixel_of(scene, LandmarkGeometry{}.centre_m(0))).norm(), 20);
+  const double roll_rad = 90 * kDegree;
+  bool found = false;
+  for (const double sign : {1.0, -1.0}) {
+    Detector lying(CameraModel{}, LandmarkGeometry{}, {.expected_roll_rad = sign * roll_rad});
+    const auto right = lying.find_landmark(picture.view());
+    ASSERT_TRUE(right.has_value());
+    found = found || (right->dots[0].centroid_px - pixel_of(scene, LandmarkGeometry{}.centre_m(0))).norm() < 1.5;
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST(Detector, RowStrideDoesNotMatter) {
+  const test::Picture picture = test::render(scene_at({.distance_m = 1.2}), 1);
+  std::vector<std::uint8_t> wide(static_cast<std::size_t>(700 * 480), 77);
+  for (int y = 0; y < 480; ++y)
+    std::copy_n(picture.view().row(y), 640, wide.data() + y * 700);
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  const auto a = detector.find_landmark(picture.view());
+  const auto b = detector.find_landmark({wide.data(), 640, 480, 700});
+  ASSERT_TRUE(a.has_value() && b.has_value());
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) EXPECT_EQ(a->dots[dot].centroid_px, b->dots[dot].centroid_px);
+}
+
+class Hidden : public testing::TestWithParam<std::tuple<double, double>> {};
+
+TEST_P(Hidden, SheetIsFoundFromWhatIsLeft) {
+  const auto [fraction, direction_deg] = GetParam();
+  test::Scene scene = scene_at({.distance_m = 1.2, .tilt_rad = 20 * kDegree});
+  scene.board.hidden_fraction = fraction;
+  scene.board.direction_rad = direction_deg * kDegree;
+  const test::Picture picture = test::render(scene, 4);
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  const auto seen = detector.find_landmark(picture.view());
+  ASSERT_TRUE(seen.has_value());
+  expect_dots_in_place(scene, *seen, 2.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Detector, Hidden,
+                         testing::Combine(testing::Values(0.1, 0.2, 0.3, 0.4), testing::Values(0.0, 45.0, 90.0, 180.0, 270.0)));
+
+TEST(Detector, FindsTheLandmarkAcrossAHardShadowAndThroughHaze) {
+  test::Scene scene = scene_at({.distance_m = 1.5, .tilt_rad = 20 * kDegree});
+  scene.light.shadows.push_back({.direction_rad = 0.6, .offset_m = 0.02, .width_m = 0.07, .remaining = 0.25});
+  scene.light.gradient_x_per_m = 2;
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  EXPECT_TRUE(detector.find_landmark(test::render(scene, 1).view()).has_value());
+  scene.haze = {.veil = 0.6, .level = 0.5};
+  EXPECT_TRUE(detector.find_landmark(test::render(scene, 1).view()).has_value());
+}
+
+TEST(Detector, TakesNoOtherPatternForTheLandmark) {
+  std::vector<test::Sheet> patterns;
+  for (const int dots : {6, 7, 9, 10, 12}) patterns.push_back(test::dot_ring_sheet(dots, true));
+  patterns.push_back(test::dot_ring_sheet(8, false));
+  patterns.push_back(test::dot_ring_sheet(8, true, 0.0127));
+  patterns.push_back(test::dot_grid_sheet(6, 6, 0.034, 0.010));
+  patterns.push_back(test::dot_grid_sheet(4, 4, 0.05, 0.0127));
+  patterns.push_back(test::clock_sheet(0.1));
+  patterns.push_back(test::polka_dots(120, 1.2, 0.01, 0.03, 3));
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  for (std::size_t i = 0; i < patterns.size(); ++i)
+    for (const double distance_m : {0.8, 2.0, 4.0}) {
+      test::Scene scene = scene_at({.distance_m = distance_m, .tilt_rad = 25 * kDegree});
+      scene.sheets = {patterns[i]};
+      EXPECT_FALSE(detector.find_landmark(test::render(scene, i).view()).has_value()) << "pattern " << i << " at " << distance_m << " m";
+    }
+}
+
+TEST(Detector, SaysWhenNothingIsThereAndWhenTheSizeIsWrong) {
+  const std::vector<std::uint8_t> blank(640 * 480, 128);
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  EXPECT_EQ(detector.find_landmark({blank.data(), 640, 480, 640}).error().code, Errc::kNoLandmark);
+  EXPECT_EQ(detector.find_landmark({blank.data(), 320, 240, 640}).error().code, Errc::kFrameSize);
+  EXPECT_EQ(detector.find_landmark_near({blank.data(), 320, 240, 640}, {}).error().code, Errc::kFrameSize);
+  EXPECT_EQ(detector.find_landmark_near({blank.data(), 640, 480, 640}, {}).error().code, Errc::kNoLandmark);
+}
+
+}  // namespace
+}  // namespace ninedot

@@ -1,0 +1,81 @@
+#include "image/dark_spots.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace ninedot {
+namespace {
+
+constexpr int kWidth_px = 90, kHeight_px = 70;
+constexpr int kContrast_lsb = 12;
+
+struct Canvas {
+  std::vector<std::uint8_t> pixels = std::vector<std::uint8_t>(kWidth_px * kHeight_px, 200);
+  std::uint8_t& at(int x, int y) { return pixels[static_cast<std::size_t>(y * kWidth_px + x)]; }
+  ImageView view() const { return {pixels.data(), kWidth_px, kHeight_px, kWidth_px}; }
+  void fill(int x0, int y0, int x1, int y1, int grey) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) at(x, y) = static_cast<std::uint8_t>(grey);
+  }
+  int threshold_at(int x, int y) const {
+    SpotThreshold spots(kWidth_px, kHeight_px);
+    return spots.compute(view(), kContrast_lsb).row(y)[x];
+  }
+};
+
+TEST(SpotThreshold, IsHalfwayBetweenPaperAndInkInASpotNarrowerThanTheSquare) {
+  Canvas canvas;
+  canvas.fill(40, 30, 48, 38, 40);
+  EXPECT_EQ(canvas.threshold_at(44, 34), 120);
+}
+
+TEST(SpotThreshold, IgnoresDarkAreasWiderThanTheSquareAndBlankPaper) {
+  Canvas canvas;
+  canvas.fill(20, 10, 60, 60, 40);
+  EXPECT_EQ(canvas.threshold_at(40, 35), 0);
+  EXPECT_EQ(Canvas{}.threshold_at(40, 35), 0);
+}
+
+TEST(SpotThreshold, FollowsTheEdgeOfAHardShadow) {
+  Canvas canvas;
+  canvas.fill(45, 0, kWidth_px, kHeight_px, 80);  // paper in shadow, right of x = 45
+  canvas.fill(47, 30, 53, 36, 20);                // a spot close to the shadow's edge
+  EXPECT_EQ(canvas.threshold_at(50, 33), 50) << "the spot's paper is the shadow's, not the sunlit one two pixels away";
+}
+
+TEST(SpotThreshold, IsThePlainDefinitionOfClosingAndErosion) {
+  Canvas canvas;
+  unsigned state = 1;
+  for (auto& pixel : canvas.pixels) pixel = static_cast<std::uint8_t>((state = state * 1664525U + 1013904223U) >> 24);
+  const auto extreme = [](const std::vector<std::uint8_t>& in, int before, bool largest) {
+    std::vector<std::uint8_t> out(in.size());
+    const int after = SpotThreshold::kSquare_px - before - 1;
+    for (int y = 0; y < kHeight_px; ++y)
+      for (int x = 0; x < kWidth_px; ++x) {
+        int best = largest ? 0 : 255;
+        for (int v = std::max(0, y - before); v <= std::min(kHeight_px - 1, y + after); ++v)
+          for (int u = std::max(0, x - before); u <= std::min(kWidth_px - 1, x + after); ++u) {
+            const int grey = in[static_cast<std::size_t>(v * kWidth_px + u)];
+            best = largest ? std::max(best, grey) : std::min(best, grey);
+          }
+        out[static_cast<std::size_t>(y * kWidth_px + x)] = static_cast<std::uint8_t>(best);
+      }
+    return out;
+  };
+  constexpr int kBefore = SpotThreshold::kSquare_px / 2;
+  const auto closed = extreme(extreme(canvas.pixels, kBefore, true), SpotThreshold::kSquare_px - kBefore - 1, false);
+  const auto eroded = extreme(canvas.pixels, kBefore, false);
+  SpotThreshold spots(kWidth_px, kHeight_px);
+  const ImageBuffer& threshold = spots.compute(canvas.view(), kContrast_lsb);
+  for (int y = 0; y < kHeight_px; ++y)
+    for (int x = 0; x < kWidth_px; ++x) {
+      const auto i = static_cast<std::size_t>(y * kWidth_px + x);
+      const int contrast = closed[i] - eroded[i];
+      ASSERT_EQ(threshold.row(y)[x], contrast >= kContrast_lsb ? eroded[i] + (contrast + 1) / 2 : 0) << x << ' ' << y;
+    }
+}
+
+}  // namespace
+}  // namespace ninedot

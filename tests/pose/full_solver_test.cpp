@@ -1,0 +1,145 @@
+#include "pose/full_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "detect/detector.h"
+#include "tests/bench/crlb.h"
+#include "tests/support/renderer.h"
+
+namespace ninedot {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+struct Errors {
+  Vector6d pose;       ///< position in S0 [m], rotation vector in the camera frame [rad]
+  double normalised2;  ///< by the reported covariance
+};
+
+Errors errors_of(const test::Scene& scene, const PoseEstimate& estimate) {
+  const auto& q = scene.camera.quaternion_wxyz;
+  const auto& p = scene.camera.position_m;
+  Errors e;
+  e.pose.head<3>() = Eigen::Vector3d(p[0], p[1], p[2]) - estimate.T_landmark_camera.translation_m;
+  e.pose.tail<3>() = log_so3(estimate.T_landmark_camera.rotation.transpose() * Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix());
+  e.normalised2 = e.pose.dot(estimate.covariance.inverse() * e.pose);
+  return e;
+}
+
+test::Scene scene_at(const test::Viewpoint& viewpoint, double noise_lsb = 1.5) {
+  test::Scene scene;
+  scene.camera = test::look_at_landmark(viewpoint);
+  set_noise(scene.sensor, noise_lsb);
+  return scene;
+}
+
+Result<PoseEstimate> pose_of(const test::Picture& picture) {
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  FullSolver solver(CameraModel{}, LandmarkGeometry{});
+  const auto seen = detector.find_landmark(picture.view());
+  if (!seen) return tl::unexpected<Error>(seen.error());
+  return solver.solve(picture.view(), *seen, nullptr);
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+class ToneCurves : public testing::TestWithParam<test::ToneCurve> {};
+
+TEST_P(ToneCurves, ErrorIsNearTheCramerRaoBoundAndTheCovarianceHonest) {
+  std::vector<double> ratios, normalised;
+  double sum = 0;
+  for (const double distance_m : {0.8, 1.5, 2.5, 4.0}) {
+    for (const double tilt_deg : {20.0, 45.0}) {
+      test::Scene scene = scene_at({.distance_m = distance_m, .tilt_rad = tilt_deg * kDegree, .azimuth_rad = distance_m});
+      scene.sensor.tone = GetParam();
+      const auto bound = bench::cramer_rao_bound(scene);
+      ASSERT_TRUE(bound.has_value());
+      const test::Exposure exposure = test::expose(scene);
+      for (std::uint64_t seed = 0; seed < 8; ++seed) {
+        const auto pose = pose_of(test::read_out(exposure, scene.sensor, seed));
+        ASSERT_TRUE(pose.has_value()) << distance_m << ' ' << tilt_deg;
+        const Errors e = errors_of(scene, *pose);
+        ratios.push_back(e.pose.head<3>().norm() / bound->position_m);
+        normalised.push_back(e.normalised2);
+        sum += e.normalised2;
+        EXPECT_EQ(pose->dots_used, 9);
+        EXPECT_EQ(pose->occlusion_level, 0);
+      }
+    }
+  }
+  RecordProperty("median_error_over_bound", std::to_string(median(ratios)));
+  EXPECT_LT(median(ratios), 1.5);
+  const double mean = sum / static_cast<double>(normalised.size());
+  RecordProperty("mean_normalised_error_squared", std::to_string(mean));
+  EXPECT_GT(mean, 3.0);
+  EXPECT_LT(mean, 9.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(FullSolver, ToneCurves, testing::Values(test::ToneCurve::kLinear, test::ToneCurve::kSrgb),
+                         [](const auto& param_info) { return param_info.param == test::ToneCurve::kLinear ? "Linear" : "Srgb"; });
+
+TEST(FullSolver, HardShadowAcrossTheSheetCostsLessThanHalfAPercent) {
+  test::Scene scene = scene_at({.distance_m = 2, .tilt_rad = 20 * kDegree});
+  scene.light.shadows.push_back({.direction_rad = 0.5, .offset_m = 0.01, .width_m = 0.06, .penumbra_m = 0.004, .remaining = 0.3});
+  const auto pose = pose_of(test::render(scene, 2));
+  ASSERT_TRUE(pose.has_value());
+  EXPECT_LT(errors_of(scene, *pose).pose.head<3>().norm(), 0.005 * 2);
+}
+
+TEST(FullSolver, HiddenDotsAreReportedAndUncertaintyGrows) {
+  test::Scene scene = scene_at({.distance_m = 1.2, .tilt_rad = 25 * kDegree});
+  const auto whole = pose_of(test::render(scene, 3));
+  ASSERT_TRUE(whole.has_value());
+  scene.board.hidden_fraction = 0.4;
+  const auto part = pose_of(test::render(scene, 3));
+  ASSERT_TRUE(part.has_value());
+  EXPECT_LT(part->dots_used, 9);
+  EXPECT_GE(part->occlusion_level, 2);
+  const auto position_variance = [](const PoseEstimate& pose) { return pose.covariance.diagonal().head<3>().sum(); };
+  EXPECT_GT(position_variance(*part), position_variance(*whole));
+  EXPECT_LT(errors_of(scene, *part).pose.head<3>().norm(), 0.005 * 1.2);
+}
+
+TEST(FullSolver, ReportsTheOtherSolutionOfADistantFrontalLandmark) {
+  const auto near = pose_of(test::render(scene_at({.distance_m = 1, .tilt_rad = 40 * kDegree}), 5));
+  ASSERT_TRUE(near.has_value());
+  EXPECT_LT(near->ambiguity, 0.01);
+  double most = 0;
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    const auto far = pose_of(test::render(scene_at({.distance_m = 6, .tilt_rad = 12 * kDegree}, 4.0), seed));
+    if (far) most = std::max(most, far->ambiguity);
+  }
+  EXPECT_GT(most, 0.05);
+}
+
+TEST(FullSolver, ReportsTheFoundingPapersQuantities) {
+  const auto pose = pose_of(test::render(scene_at({.distance_m = 1.3, .tilt_rad = 35 * kDegree}), 5));
+  ASSERT_TRUE(pose.has_value());
+  EXPECT_NEAR(pose->ellipse.distance_m, 1.3, 0.005);
+  EXPECT_NEAR(pose->ellipse.tilt_phi_rad, 35 * kDegree, 0.01);
+}
+
+TEST(FullSolver, RefusesAPictureThatShowsNoOutlines) {
+  const test::Picture picture = test::render(scene_at({.distance_m = 1}), 1);
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  const auto seen = detector.find_landmark(picture.view());
+  ASSERT_TRUE(seen.has_value());
+  const std::vector<std::uint8_t> blank(640 * 480, 128);
+  FullSolver solver(CameraModel{}, LandmarkGeometry{});
+  const auto pose = solver.solve({blank.data(), 640, 480, 640}, *seen, nullptr);
+  ASSERT_FALSE(pose.has_value());
+  EXPECT_EQ(pose.error().code, Errc::kPoseDegenerate);
+}
+
+}  // namespace
+}  // namespace ninedot
