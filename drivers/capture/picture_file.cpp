@@ -66,7 +66,14 @@ Result<PictureSize> PictureDecoder::decode(std::span<const std::uint8_t> file, s
   EXPECTS(rgb.empty() || rgb.size() == 3 * size_.pixel_count());
   if (is_png(file)) return decode_png(file, size_, luma, rgb, scratch_rgb_.get());
   if (is_pnm(file)) return decode_pnm(file, size_, luma, rgb);
-  if (is_jpeg(file)) return decode_jpeg(jpeg_, file, size_, luma, rgb);
+  if (is_jpeg(file)) {
+    const Result<PictureSize> decoded = decode_jpeg(jpeg_, file, size_, luma, rgb);
+    if (!decoded) {  // turbojpeg 2.1 refuses every later picture after some damaged ones: start anew
+      if (jpeg_ != nullptr) tjDestroy(jpeg_);
+      jpeg_ = tjInitDecompress();
+    }
+    return decoded;
+  }
   return fail(Errc::kFrameUnreadable, file.empty() ? "the file is empty" : "not a PNG, PGM, PPM or JPEG picture");
 }
 

@@ -3,6 +3,7 @@
 #include "drivers/capture/png_codec.h"
 
 #include <png.h>
+#include <zlib.h>
 
 #include <array>
 #include <cerrno>
@@ -100,8 +101,10 @@ void flush_nothing(png_structp) {}
 bool encode_rows(png_structp png, png_infop info, const EncodeJob& job) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;  // NOLINT(cert-err52-cpp)
   png_set_write_fn(png, job.file, write_bytes, flush_nothing);
-  // Recording must keep up with the camera: level 1 costs a tenth more space than 6 and a fifth of its time.
-  png_set_compression_level(png, 1);
+  // Recording must keep up with the camera. On noisy pictures of 640 x 480 px (tests/recordings/approach, one x86-64
+  // core) this takes 3.3 ms and 163 kB per frame; libpng's defaults take 23 ms and 174 kB.
+  png_set_compression_strategy(png, Z_RLE);
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
   png_set_IHDR(png, info, static_cast<png_uint_32>(job.size.width_px), static_cast<png_uint_32>(job.size.height_px), 8,
                job.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
