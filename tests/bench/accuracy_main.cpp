@@ -62,13 +62,13 @@ std::vector<Sweep> all_sweeps() {
                  [](Condition& c, double m) { c.distance_m = m; }),
       sweep_over("tilt", "tilt", "tilt, degrees",
                  "Seen from straight ahead the tilt itself is what the picture tells least about, and with it the "
-                 "place of the camera: "
-                 "the bound says so. Here the camera stands to the left or right, within 15 degrees: seen from "
-                 "diagonally above or below at "
-                 "60 degrees and more, P1 is in half of the pictures not the lowest dot, and a black-and-white "
-                 "landmark cannot be numbered.",
-                 {0, 5, 15, 30, 45, 60, 70, 75},
-                 [](Condition& c, double deg) { c.tilt_rad = deg * kDegree, c.sideways = true; }),
+                 "place of the "
+                 "camera: the bound says so. The wrong poses are misnumbered ones: a black-and-white landmark is "
+                 "numbered by the "
+                 "camera's roll, seen from 70 degrees P1 and its neighbours are only some 15 degrees of roll apart, "
+                 "and the camera of "
+                 "this page rolls by up to 15.",
+                 {0, 5, 15, 30, 45, 60, 70, 75}, [](Condition& c, double deg) { c.tilt_rad = deg * kDegree; }),
       sweep_over("noise", "noise", "noise at grey level 128, grey levels", "", {0.5, 1, 2, 4, 8, 12},
                  [](Condition& c, double lsb) { c.noise_at_grey128_lsb = lsb; }),
       sweep_over("occlusion", "occlusion", "hidden, % of the sheet", hidden_note, {0, 10, 20, 30, 40, 50},

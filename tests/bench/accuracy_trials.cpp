@@ -80,9 +80,6 @@ test::Scene scene_of(const Condition& condition, std::uint64_t seed) {
   test::Viewpoint view;
   view.distance_m = condition.distance_m, view.tilt_rad = condition.tilt_rad;
   view.azimuth_rad = random.uniform(-std::numbers::pi, std::numbers::pi);
-  if (condition.sideways)
-    view.azimuth_rad = std::numbers::pi * std::round(view.azimuth_rad / std::numbers::pi) +
-                       random.uniform(-15 * kDegree, 15 * kDegree);
   view.roll_rad = random.uniform(-15 * kDegree, 15 * kDegree);
   const double side = random.uniform(-1, 1) < 0 ? -1 : 1;
   view.off_axis_x_rad = side * condition.off_axis_rad + random.uniform(-kDegree, kDegree);

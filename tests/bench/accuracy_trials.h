@@ -7,14 +7,13 @@
 
 namespace ninedot::bench {
 
-/// One row of a table. The viewing azimuth (within 15 degrees of sideways if asked for), the roll (within 15 degrees),
+/// One row of a table. The viewing azimuth, the roll (within 15 degrees),
 /// the place within a degree, the wall and the side from which a board comes are drawn anew for each trial.
 struct Condition {
   std::string label;
   double plot_x = 0;  ///< the label's number, for the plot
   double distance_m = 1.5;
   double tilt_rad = 0.436;  ///< 25 degrees
-  bool sideways = false;    ///< seen from the left or right, not from above or below
   double noise_at_grey128_lsb = 2;
   double hidden_fraction = 0;
   double off_axis_rad = 0;  ///< to the left or right of the optical axis
