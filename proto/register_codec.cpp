@@ -58,21 +58,23 @@ class Writer {
 
   template <std::uint16_t Address, std::uint16_t Offset = 0>
   void put(double value) noexcept {
-    static constexpr const RegisterEntry* kEntry = find_register(Address + Offset);
-    static_assert(kEntry != nullptr, "no register starts at this address");
-    encode_value(*kEntry, value, options_, std::span(block_).subspan(kEntry->address, kEntry->words()));
+    constexpr std::size_t kIndex = register_index(Address + Offset);
+    static_assert(kIndex < kRegisterMap.size(), "no register starts at this address");
+    const RegisterEntry& entry = kRegisterMap[kIndex];
+    encode_value(entry, value, options_, std::span(block_).subspan(entry.address, entry.words()));
   }
   template <std::uint16_t Address>
   void count(std::uint32_t value) noexcept {
-    static constexpr const RegisterEntry* kEntry = find_register(Address);
-    static_assert(kEntry != nullptr &&
-                  (kEntry->type == RegisterType::kCounter16 || kEntry->type == RegisterType::kCounter32));
-    put_words(value, true, std::span(block_).subspan(Address, kEntry->words()));
+    constexpr std::size_t kIndex = register_index(Address);
+    static_assert(kIndex < kRegisterMap.size(), "no register starts at this address");
+    constexpr RegisterType kType = kRegisterMap[kIndex].type;
+    static_assert(kType == RegisterType::kCounter16 || kType == RegisterType::kCounter32);
+    put_words(value, true, std::span(block_).subspan(Address, kRegisterMap[kIndex].words()));
   }
   /// Three entries in a row: x, y, z.
   template <std::uint16_t Address>
   void put_xyz(const std::array<double, 3>& xyz) noexcept {
-    constexpr std::uint16_t kStride = find_register(Address)->words();
+    constexpr std::uint16_t kStride = kRegisterMap[register_index(Address)].words();
     put<Address>(xyz[0]);
     put<Address, kStride>(xyz[1]);
     put<Address, 2 * kStride>(xyz[2]);

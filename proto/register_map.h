@@ -131,11 +131,17 @@ inline constexpr auto kRegisterMap = [] {
 }();
 // clang-format on
 
+/// Place in the table of the entry whose first word is at `address`; the table's size if there is none.
+constexpr std::size_t register_index(std::uint16_t address) noexcept {
+  std::size_t i = 0;
+  while (i < kRegisterMap.size() && kRegisterMap[i].address != address) ++i;
+  return i;
+}
+
 /// The entry whose first word is at `address`, or null.
 constexpr const RegisterEntry* find_register(std::uint16_t address) noexcept {
-  for (const RegisterEntry& entry : kRegisterMap)
-    if (entry.address == address) return &entry;
-  return nullptr;
+  const std::size_t i = register_index(address);
+  return i < kRegisterMap.size() ? &kRegisterMap[i] : nullptr;
 }
 
 /// Address by name, at compile time: a wrong name does not compile.

@@ -68,9 +68,15 @@ class Server:
             if os.path.exists(near) and os.path.exists(self.far):
                 break
             time.sleep(0.01)
-        self.process = subprocess.Popen(
-            [SERVE, "--rtu", near], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.port = int(self.process.stdout.readline())
+        try:
+            self.process = subprocess.Popen(
+                [SERVE, "--rtu", near], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+            self.port = int(self.process.stdout.readline())
+        except Exception:
+            # socat left behind would hold the test's output open for ever.
+            self.socat.terminate()
+            self.socat.wait(10)
+            raise
 
     def stop(self):
         self.process.stdin.close()
