@@ -30,8 +30,8 @@ void run_service(const std::string& config_path, bool live) {
   const TerminationSignals signals;  // before the first thread
   use_small_thread_stacks();
 
-  const CameraModel model = read_camera_calibration(config.camera);
   const OpenedSource camera = open_source(config.camera, FrameDemand::kNewest);
+  const CameraModel model = read_camera_calibration(config.camera);
   Localiser localiser(model, localiser_options(config));
   LatestValue<Report> reports;
   LatestValue<Health> health;

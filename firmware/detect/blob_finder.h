@@ -43,6 +43,9 @@ class BlobFinder {
   /// Noise of the picture last searched [grey levels, 1-sigma].
   double noise_lsb() const noexcept { return noise_lsb_; }
 
+  /// The picture last searched at 1 / 2^level of its size, level 1 .. the last one searched plus one.
+  ImageView picture_at(int level) const noexcept { return levels_[level - 1].view(); }
+
  private:
   struct Run {
     std::int16_t begin, end;  // [begin, end) in its row

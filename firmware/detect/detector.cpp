@@ -38,7 +38,8 @@ struct Detector::Workspace {
         options(detector_options),
         finder(camera_model.width_px, camera_model.height_px) {}
 
-  Result<LandmarkObservation> find(const ImageView& luma, const Window& window, BlobFinder::Levels levels) noexcept;
+  Result<LandmarkObservation> find(const ImageView& luma, const Window& searched, BlobFinder::Levels wanted) noexcept;
+  Verification verify(const ImageView& luma, const Hypothesis& hypothesis) const noexcept;
   bool best_hypothesis(const ImageView& luma, Verification& verification) noexcept;
   Result<LandmarkObservation> observe(const Verification& verification) noexcept;
   void number_dots(LandmarkObservation& seen) const noexcept;
@@ -50,10 +51,14 @@ struct Detector::Workspace {
   BlobList blobs;
   HypothesisList hypotheses;
   Hypothesis best;
+  Window window;              ///< of the search under way
+  BlobFinder::Levels levels;
 };
 
-Result<LandmarkObservation> Detector::Workspace::find(const ImageView& luma, const Window& window,
-                                                      BlobFinder::Levels levels) noexcept {
+Result<LandmarkObservation> Detector::Workspace::find(const ImageView& luma, const Window& searched,
+                                                      BlobFinder::Levels wanted) noexcept {
+  window = searched;
+  levels = wanted;
   finder.find_blobs(cut(luma, window), levels, blobs);
   for (Blob& blob : blobs) {
     blob.x_px += static_cast<float>(window.x);
@@ -71,10 +76,27 @@ Result<LandmarkObservation> Detector::Workspace::find(const ImageView& luma, con
   return observe(verification);
 }
 
+/// Small dots are looked at in the picture itself, larger ones at a level of the pyramid where noise is averaged away.
+Verification Detector::Workspace::verify(const ImageView& luma, const Hypothesis& hypothesis) const noexcept {
+  constexpr double kSmallest_px = 2.5;  // semi-minor axis of a ring dot in the picture that is looked at
+  const Eigen::Matrix2d J = jacobian_of_map(hypothesis.H_px_plane, Eigen::Vector2d::Zero());
+  const double semi_minor_px = landmark.dot_radius_m * std::abs(J.determinant()) / std::max(J.norm(), 1e-9);
+  int level = 0;
+  while (level <= levels.last && semi_minor_px > kSmallest_px * (2 << level)) ++level;
+  if (level == 0) return verify_landmark(luma, hypothesis.H_px_plane, landmark, blobs, hypothesis, finder.noise_lsb());
+  const double scale = 1.0 / (1 << level);
+  Eigen::Matrix3d to_level = Eigen::Matrix3d::Identity();
+  to_level(0, 0) = to_level(1, 1) = scale;
+  to_level(0, 2) = (0.5 - window.x) * scale - 0.5;
+  to_level(1, 2) = (0.5 - window.y) * scale - 0.5;
+  return verify_landmark(finder.picture_at(level), to_level * hypothesis.H_px_plane, landmark, blobs, hypothesis,
+                         finder.noise_lsb() * scale);
+}
+
 bool Detector::Workspace::best_hypothesis(const ImageView& luma, Verification& verification) noexcept {
   bool any = false;
   for (const Hypothesis& hypothesis : hypotheses) {
-    const Verification v = verify_landmark(luma, landmark, blobs, hypothesis, finder.noise_lsb());
+    const Verification v = verify(luma, hypothesis);
     if (!v.accepted || (any && v.score <= verification.score)) continue;
     any = true;
     verification = v;

@@ -139,8 +139,9 @@ bool is_known(const HypothesisList& list, const Hypothesis& candidate) noexcept 
   });
 }
 
-void keep(const BlobList& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis, HypothesisList& out) noexcept {
-  if (!attach_blobs(blobs, landmark, hypothesis) || hypothesis.matched < 4 || is_known(out, hypothesis)) return;
+void keep(const BlobList& blobs, const LandmarkGeometry& landmark, int min_matched, Hypothesis& hypothesis,
+          HypothesisList& out) noexcept {
+  if (!attach_blobs(blobs, landmark, hypothesis) || hypothesis.matched < min_matched || is_known(out, hypothesis)) return;
   if (out.try_push_back(hypothesis)) return;
   Hypothesis* worst = std::min_element(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.matched < b.matched; });
   if (worst->matched < hypothesis.matched) *worst = hypothesis;
@@ -198,7 +199,7 @@ void guess_from_centre(const BlobList& blobs, const LandmarkGeometry& landmark, 
     Hypothesis hypothesis;
     if (number_neighbours(neighbours, hypothesis) < 3) continue;
     hypothesis.blob[kCentreDot] = static_cast<std::int16_t>(centre);
-    if (fit(blobs, landmark, hypothesis)) keep(blobs, landmark, hypothesis, out);
+    if (fit(blobs, landmark, hypothesis)) keep(blobs, landmark, 4, hypothesis, out);
   }
 }
 
@@ -246,7 +247,8 @@ void guess_from_ring(const BlobList& blobs, const LandmarkGeometry& landmark, Hy
         hypothesis.H_px_plane.setIdentity();
         hypothesis.H_px_plane.topLeftCorner<2, 2>() = J;
         hypothesis.H_px_plane.topRightCorner<2, 1>() = Eigen::Vector2d(m.x_px, m.y_px) - J * landmark.centre_m(0);
-        keep(blobs, landmark, hypothesis, out);
+        // Three whole dots are all that half a sheet may leave; P9's visible part then decides.
+        keep(blobs, landmark, 3, hypothesis, out);
       }
     }
   }

@@ -18,7 +18,7 @@ struct Hypothesis {
   int matched = 0;
 };
 
-inline constexpr std::size_t kMaxHypotheses = 64;
+inline constexpr std::size_t kMaxHypotheses = 96;
 using HypothesisList = InlineVector<Hypothesis, kMaxHypotheses>;
 
 /// Blobs must be sorted by area, largest first (contract of the three functions below).

@@ -16,8 +16,11 @@ namespace {
 
 constexpr int kDirections = 16;
 constexpr double kMinContrast_lsb = 5;
+constexpr double kContrastPerNoise = 3;  // below, sixteen directions in which it is brighter outside are no evidence
 constexpr double kMinShare = 0.35;     // of the landmark's typical contrast, scaled by the local light
 constexpr float kSeen = 0.75F;         // of an outline: the dot is there, whole
+constexpr float kFlawless = 0.94F;
+constexpr double kMinScoreOfThree = 4.9;  // three dots, two halves beside them and half of P9, which counts twice: half a sheet
 constexpr float kPartly = 0.30F;       // a dot that something hides in part
 constexpr double kMinPaper = 0.75;     // of the samples between the dots
 
@@ -37,25 +40,29 @@ std::optional<double> sample(const ImageView& luma, const Eigen::Vector2d& px) n
 
 class Evidence {
  public:
-  Evidence(const ImageView& luma, const LandmarkGeometry& landmark, const Hypothesis& hypothesis, double noise_lsb) noexcept
-      : luma_(luma), landmark_(landmark), hypothesis_(hypothesis), H_(hypothesis.H_px_plane), noise_lsb_(noise_lsb) {
+  Evidence(const ImageView& luma, const Eigen::Matrix3d& H, const LandmarkGeometry& landmark, const Hypothesis& hypothesis,
+           double noise_lsb) noexcept
+      : luma_(luma), landmark_(landmark), hypothesis_(hypothesis), H_(H), noise_lsb_(noise_lsb) {
     for (std::size_t dot = 0; dot < kDotCount; ++dot) look_at_outline(dot);
     find_typical_contrast();
   }
 
   Verification judge(const BlobList& blobs) const noexcept {
     Verification v;
-    int whole = 0, partly = 0;
+    int whole = 0, partly = 0, flawless = 0;
     for (std::size_t dot = 0; dot < kDotCount; ++dot) {
       v.visible_fraction[dot] = visible_fraction(dot);
       v.score += v.visible_fraction[dot] * (dot == kCentreDot ? 2 : 1);
       if (dot == kCentreDot) continue;
       whole += v.visible_fraction[dot] >= kSeen;
+      flawless += v.visible_fraction[dot] >= kFlawless;
       partly += v.visible_fraction[dot] >= kPartly && v.visible_fraction[dot] < kSeen;
     }
     const float centre = v.visible_fraction[kCentreDot];
+    // Three points fit any three dots of equal size: then everything else must be flawless.
+    if (hypothesis_.matched <= 3 && (flawless < 3 || v.score < kMinScoreOfThree)) return v;
     const bool enough = (centre >= kSeen && whole >= 3) || (centre >= kPartly && whole >= 3 && whole + partly >= 4) || whole >= 5;
-    v.accepted = enough && typical_lsb_ >= std::max(kMinContrast_lsb, 1.2 * noise_lsb_) && paper_is_blank() &&
+    v.accepted = enough && typical_lsb_ >= std::max(kMinContrast_lsb, kContrastPerNoise * noise_lsb_) && paper_is_blank() &&
                  !centre_is_absent(centre) && isolated_holes(v) <= 1 && 2 * intruders(blobs) <= whole + (centre >= kSeen) - 3;
     return v;
   }
@@ -169,7 +176,8 @@ class Evidence {
 
   /// Blobs of a ring dot's size inside the sheet's dotted part that no dot accounts for.
   int intruders(const BlobList& blobs) const noexcept {
-    const Eigen::Matrix3d plane_from_px = H_.inverse();
+    const Eigen::Matrix3d& H = hypothesis_.H_px_plane;
+    const Eigen::Matrix3d plane_from_px = H.inverse();
     const double reach_m = landmark_.ring_radius_m + landmark_.dot_radius_m;
     int count = 0;
     for (std::size_t i = 0; i < blobs.size(); ++i) {
@@ -177,9 +185,12 @@ class Evidence {
       const Eigen::Vector2d plane_m = map_point(plane_from_px, Eigen::Vector2d(blob.x_px, blob.y_px));
       if (!(plane_m.norm() < reach_m)) continue;
       const double area_px2 =
-          std::numbers::pi * landmark_.dot_radius_m * landmark_.dot_radius_m * jacobian_of_map(H_, plane_m).determinant();
+          std::numbers::pi * landmark_.dot_radius_m * landmark_.dot_radius_m * jacobian_of_map(H, plane_m).determinant();
       if (blob.area_px2 < 0.4 * area_px2 || blob.area_px2 > 2.5 * area_px2) continue;
       if (std::find(hypothesis_.blob.begin(), hypothesis_.blob.end(), static_cast<int>(i)) != hypothesis_.blob.end()) continue;
+      // A stripe or a shadow of something in front of the sheet is seldom as dark as ink.
+      const auto grey = sample(luma_, map_point(H_, plane_m));
+      if (!grey || *grey > paper_lsb_ - 0.65 * typical_lsb_) continue;
       // The same dot found a second time, or a part of it, is no intruder.
       bool on_a_dot = false;
       for (std::size_t dot = 0; dot < kDotCount; ++dot)
@@ -210,9 +221,9 @@ class Evidence {
 
 }  // namespace
 
-Verification verify_landmark(const ImageView& luma, const LandmarkGeometry& landmark, const BlobList& blobs,
-                             const Hypothesis& hypothesis, double noise_lsb) noexcept {
-  return Evidence(luma, landmark, hypothesis, noise_lsb).judge(blobs);
+Verification verify_landmark(const ImageView& luma, const Eigen::Matrix3d& plane_to_luma, const LandmarkGeometry& landmark,
+                             const BlobList& blobs, const Hypothesis& hypothesis, double noise_lsb) noexcept {
+  return Evidence(luma, plane_to_luma, landmark, hypothesis, noise_lsb).judge(blobs);
 }
 
 }  // namespace ninedot

@@ -59,22 +59,26 @@ Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
       full_(camera, options.landmark),
       ellipse_(camera, options.landmark, options.ellipse) {}
 
-Result<LandmarkObservation> Localiser::find(const ImageView& luma, bool& tracked) noexcept {
-  if (options_.tracking && found_last_) {
-    Result<LandmarkObservation> near = detector_.find_landmark_near(luma, seen_);
-    tracked = near.has_value();
-    if (tracked || near.error().code == Errc::kFrameSize) return near;
-  }
-  return detector_.find_landmark(luma);
-}
-
-Result<PoseEstimate> Localiser::solve(const ImageView& luma) noexcept {
+Result<PoseEstimate> Localiser::solve(const ImageView& luma, const PoseEstimate* previous) noexcept {
   Result<PoseEstimate> pose =
       options_.solver == Solver::kFull
-          ? full_.solve(luma, seen_, options_.tracking && solved_last_ ? &pose_.T_landmark_camera : nullptr)
+          ? full_.solve(luma, seen_, previous != nullptr ? &previous->T_landmark_camera : nullptr)
           : ellipse_.solve(seen_);
   if (pose && !is_publishable(*pose)) return fail(Errc::kPoseDegenerate, "the pose or its covariance is not finite");
   return pose;
+}
+
+Result<PoseEstimate> Localiser::follow(const ImageView& luma) noexcept {
+  if (!options_.tracking || !found_last_) return fail(Errc::kNoLandmark, "there is no track");
+  NINEDOT_TRY(seen_, detector_.find_landmark_near(luma, seen_));
+  return solve(luma, solved_last_ ? &pose_ : nullptr);
+}
+
+Result<PoseEstimate> Localiser::search(const ImageView& luma) noexcept {
+  found_last_ = false;
+  NINEDOT_TRY(seen_, detector_.find_landmark(luma));
+  found_last_ = true;
+  return solve(luma, nullptr);
 }
 
 void Localiser::fill_pose(const PoseEstimate& pose, Report& report) const noexcept {
@@ -108,29 +112,22 @@ void Localiser::process(const ImageView& luma, MonoTime exposed_at, std::uint64_
   report.calibrated = options_.calibrated;
   report.solver = options_.solver;
 
-  bool tracked = false;
-  const Result<LandmarkObservation> seen = find(luma, tracked);
-  found_last_ = seen.has_value();
-  if (!seen) {
-    solved_last_ = false;
-    mark_invalid(reason_of(seen.error().code), report);
+  Result<PoseEstimate> pose = follow(luma);
+  const bool tracked = pose.has_value();
+  if (!tracked) pose = search(luma);  // the landmark jumped, or what was near the track is not it
+  solved_last_ = pose.has_value();
+  if (pose) {
+    pose_ = *pose;
+    fill_pose(pose_, report);
+    report.exposed_at = exposed_at;
+    ++report.pose_sequence;
+    report.valid = true;
+    report.reason = Reason::kNone;
   } else {
-    seen_ = *seen;
-    const Result<PoseEstimate> pose = solve(luma);
-    solved_last_ = pose.has_value();
-    if (pose) {
-      pose_ = *pose;
-      fill_pose(pose_, report);
-      report.exposed_at = exposed_at;
-      ++report.pose_sequence;
-      report.valid = true;
-      report.reason = Reason::kNone;
-    } else {
-      mark_invalid(reason_of(pose.error().code), report);
-    }
-    report.found = true;
-    report.tracking = tracked;
+    mark_invalid(reason_of(pose.error().code), report);
   }
+  report.found = found_last_;
+  report.tracking = tracked;
   report.process_time = mono_now() - begin;
 }
 

@@ -49,8 +49,11 @@ class Localiser final : public FrameProcessor {
   const LandmarkObservation* last_observation() const noexcept { return found_last_ ? &seen_ : nullptr; }
 
  private:
-  Result<LandmarkObservation> find(const ImageView& luma, bool& tracked) noexcept;
-  Result<PoseEstimate> solve(const ImageView& luma) noexcept;
+  /// Where the landmark was in the frame before.
+  Result<PoseEstimate> follow(const ImageView& luma) noexcept;
+  /// Everywhere.
+  Result<PoseEstimate> search(const ImageView& luma) noexcept;
+  Result<PoseEstimate> solve(const ImageView& luma, const PoseEstimate* previous) noexcept;
   void fill_pose(const PoseEstimate& pose, Report& report) const noexcept;
 
   LocaliserOptions options_;

@@ -17,7 +17,8 @@ namespace ninedot {
 namespace {
 
 constexpr std::size_t kMaxPixels = 12000;
-constexpr int kMaxIterations = 8;
+constexpr int kMaxIterations = 7;
+constexpr int kLastCollection = 3;         // iterations after it keep their pixels
 constexpr double kFirstBand_px = 3.5;     // the centroids' start is good to a pixel
 constexpr double kBandPerSigma = 2.6;     // beyond, an outline's grey levels no longer depend on its place
 constexpr double kOffsetSigma_px = 0.35;  // prior of the common offset: an sRGB curve moves edges by 0.3 px (METHOD, section 3)
@@ -32,9 +33,10 @@ struct Refined {
   OutlineState state;
   UnknownMatrix information = UnknownMatrix::Zero();
   double noise_variance = 1;   // LSB^2
-  double shift_chi2 = 1;       // of the groups' shifts, per degree of freedom
+  double model_variance_px2 = 0;  // of the groups' places, beyond the noise
   double rms_px = 0;
-  std::array<double, kMaxGroups> weight{};
+  std::array<double, kMaxGroups> weight{};  // in the normal equations
+  std::array<double, kMaxGroups> trust{};   // 0 = an outlier .. 1
   bool converged = false;
 };
 
@@ -56,6 +58,7 @@ struct FullSolver::Workspace {
   bool refine(const ImageView& luma, CameraFromLandmark start, Refined& out) noexcept;
   void fit_all(const OutlineState& state) noexcept;
   void weigh_groups(int iteration, Refined& out) noexcept;
+  double model_variance(double noise_variance, double contrast_lsb) const noexcept;
   void split_shadowed_dots(double noise_variance) noexcept;
   double difference_of_chi2(const Refined& best, const Refined& other) noexcept;
   PoseEstimate conclude(const Refined& best, double ambiguity) const noexcept;
@@ -112,27 +115,62 @@ void FullSolver::Workspace::weigh_groups(int iteration, Refined& out) noexcept {
   // Not the median: half of the groups may be spoiled by shadows. A twelfth is what rounding to whole grey levels leaves of a noiseless picture.
   out.noise_variance = std::max(quantile(std::span(variances).first(count), kNoiseQuantile), 1.0 / 12);
 
-  double sum_weight = 0, sum_shift = 0, sum_chi2 = 0;
+  out.model_variance_px2 = model_variance(out.noise_variance, contrast_lsb);
+  double sum_weight = 0, sum_shift = 0;
   for (std::size_t i = 0; i < pixels.groups.size(); ++i) {
     const GroupFit& fit = fits[i];
     double& weight = out.weight[i];
-    weight = 0;
+    weight = out.trust[i] = 0;
     if (!fit.usable) continue;
     const double light = std::clamp(fit.paper_lsb / std::max(paper_lsb, 1.0), 0.25, 1.5);
     if (fit.contrast_lsb < std::max(kMinContrast_lsb, kMinContrastShare * contrast_lsb * light)) continue;
     const double variance = fit.squared_residuals / fit.degrees_of_freedom;
     const double allowed = 3 * out.noise_variance + std::pow(0.02 * fit.contrast_lsb, 2);
     const double expected_px2 = out.noise_variance / fit.shift_information;
-    const double u2 = fit.shift_px * fit.shift_px / (9 * (expected_px2 + shift_floor_px * shift_floor_px));
-    weight = 1 / ((1 + u2) * (1 + u2));
-    if (variance > allowed) weight *= std::pow(allowed / variance, 2);
-    sum_weight += weight;
-    sum_shift += weight * fit.shift_px * fit.shift_px;
-    sum_chi2 += weight * fit.shift_px * fit.shift_px / expected_px2;
+    const double u2 =
+        fit.shift_px * fit.shift_px / (9 * (expected_px2 + out.model_variance_px2 + shift_floor_px * shift_floor_px));
+    double trust = 1 / ((1 + u2) * (1 + u2));
+    if (variance > allowed) trust *= std::pow(allowed / variance, 2);
+    sum_weight += trust;
+    sum_shift += trust * fit.shift_px * fit.shift_px;
+    out.trust[i] = trust;
+    weight = trust / (1 + out.model_variance_px2 / expected_px2);
   }
   out.rms_px = sum_weight > 0 ? std::sqrt(sum_shift / sum_weight) : 0;
-  const double freedom = std::max(sum_weight - kUnknowns + 2, 0.25 * sum_weight);
-  out.shift_chi2 = freedom > 0 ? sum_chi2 / freedom : 1;
+}
+
+/// Variance of the groups' places about the model's beyond what noise explains: warped sheets, shadows, the model's own
+/// faults. DerSimonian & Laird, "Meta-analysis in clinical trials", Controlled Clinical Trials 7 (1986): the excess of
+/// the weighted squares over their expectation. A group is moved along and across and grown (whole dots), or shifted.
+double FullSolver::Workspace::model_variance(double noise_variance, double contrast_lsb) const noexcept {
+  constexpr double kOutlier = 16;  // times the median chi^2 per degree of freedom
+  struct Displaced {
+    double chi2, information;
+    int freedom;
+  };
+  InlineVector<Displaced, kMaxGroups> groups;
+  std::array<double, kMaxGroups> per_freedom;
+  for (std::size_t i = 0; i < pixels.groups.size(); ++i) {
+    const GroupFit& fit = fits[i];
+    if (!fit.usable || fit.contrast_lsb < 0.3 * contrast_lsb) continue;
+    Displaced d{fit.shift_px * fit.shift_px * fit.shift_information / noise_variance, fit.shift_information / noise_variance, 1};
+    if (pixels.groups[i].whole_dot) {
+      constexpr std::array<Eigen::Index, 3> kMoves{3, 4, 6};  // translation along the picture's axes, growth
+      const Eigen::Matrix3d N = fit.normal(kMoves, kMoves);
+      const Eigen::Vector3d g = fit.gradient(kMoves);
+      d = {g.dot(N.ldlt().solve(g)) / noise_variance, d.information, 3};
+    }
+    per_freedom[groups.size()] = d.chi2 / d.freedom;
+    (void)groups.try_push_back(d);
+  }
+  const double most = kOutlier * std::max(quantile(std::span(per_freedom).first(groups.size()), 0.5), 1.0);
+  double excess = kUnknowns, information = 0;
+  for (const Displaced& d : groups) {
+    if (!(d.chi2 < most * d.freedom)) continue;
+    excess += d.chi2 - d.freedom;
+    information += d.freedom * d.information;
+  }
+  return information > 0 ? std::max(excess, 0.0) / information : 0;
 }
 
 /// A dot that a shadow's edge crosses does not fit one paper and one ink. Its sectors do, but for those on the edge.
@@ -154,13 +192,13 @@ bool FullSolver::Workspace::refine(const ImageView& luma, CameraFromLandmark sta
   double band_px = kFirstBand_px;
   split.fill(false);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    if (iteration <= 2) {
+    if (iteration <= kLastCollection) {
       collect_outline_pixels(luma, camera, rays, landmark, out.state.T_camera_landmark, band_px, split, pixels);
       if (pixels.groups.empty()) return false;
     }
     fit_all(out.state);
     weigh_groups(iteration, out);
-    if (iteration == 1) split_shadowed_dots(out.noise_variance);
+    if (iteration >= 1 && iteration < kLastCollection) split_shadowed_dots(out.noise_variance);
 
     UnknownMatrix A = UnknownMatrix::Zero();
     UnknownVector b = UnknownVector::Zero();
@@ -188,8 +226,9 @@ bool FullSolver::Workspace::refine(const ImageView& luma, CameraFromLandmark sta
     if (!(out.state.T_camera_landmark.translation_m.z() > 0)) return false;
     const double sigma_px = std::sqrt(out.state.blur_px2 + std::hypot(out.state.blur_cos_px2, out.state.blur_sin_px2));
     band_px = std::clamp(kBandPerSigma * sigma_px + 0.3, 1.8, 8.0);
-    // A step of a tenth of a standard deviation changes nothing that can be seen.
-    if (iteration >= 3 && step.dot(A * step) < 0.02) {
+    // A step of the pose of a sixth of a standard deviation changes nothing that can be seen.
+    const Vector6d moved = step.head<6>();
+    if (iteration >= kLastCollection && moved.dot(A.topLeftCorner<6, 6>() * moved) < 0.03) {
       out.converged = true;
       break;
     }
@@ -208,7 +247,7 @@ double FullSolver::Workspace::difference_of_chi2(const Refined& best, const Refi
     fit_group(pixels, pixels.groups[i], landmark, best.state, false, own);
     difference += best.weight[i] * (fit.squared_residuals - own.squared_residuals) / best.noise_variance;
   }
-  return difference / std::max(best.shift_chi2, 1.0);
+  return difference;
 }
 
 PoseEstimate FullSolver::Workspace::conclude(const Refined& best, double ambiguity) const noexcept {
@@ -229,14 +268,14 @@ PoseEstimate FullSolver::Workspace::conclude(const Refined& best, double ambigui
   M.topLeftCorner<3, 3>() = -R * t_cross / kLever_m;
   M.topRightCorner<3, 3>() = -R;
   M.bottomLeftCorner<3, 3>() = -Eigen::Matrix3d::Identity() / kLever_m;
-  const UnknownMatrix all = best.information.inverse() * std::max(best.shift_chi2, 1.0);
+  const UnknownMatrix all = best.information.inverse();
   pose.covariance = M * all.topLeftCorner<6, 6>() * M.transpose();
   pose.covariance = 0.5 * (pose.covariance + pose.covariance.transpose()).eval();
 
   std::array<int, kDotCount> groups{}, good{};
   for (std::size_t i = 0; i < pixels.groups.size(); ++i) {
     ++groups[pixels.groups[i].dot];
-    good[pixels.groups[i].dot] += best.weight[i] > 0.25;
+    good[pixels.groups[i].dot] += best.trust[i] > 0.25;
   }
   int ring_missing = 0;
   bool centre_missing = false;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <opencv2/core/hal/intrin.hpp>
 
 // For the pixel with ray m: the sheet point under it is P = F m (projective, F the inverse of [rX rZ t]), its depth z,
 // p = z m. rho = |P - C|, e its direction, g = eX rX + eZ rZ. Moving the sheet by dp changes rho by -h . dp, where
@@ -22,18 +23,32 @@ constexpr int kGrey = kUnknowns + kMaxOwn;  // column of the grey level
 constexpr int kColumns = 16;              // padded, so that every row of the sums is whole vectors
 static_assert(kGrey < kColumns);
 
-/// Sums of products of all columns: everything that a step needs, in one pass. Only blocks on and below the diagonal.
-struct Products {
-  alignas(16) std::array<std::array<float, kColumns>, kColumns> sum{};
+using Row = std::array<float, kColumns>;
 
-  void add(const std::array<float, kColumns>& row) noexcept {
-    for (std::size_t block = 0; block < kColumns / 4; ++block)
-      for (std::size_t i = 4 * block; i < 4 * block + 4; ++i)
-        for (std::size_t j = 0; j < 4 * block + 4; ++j) sum[i][j] += row[i] * row[j];
+/// Sums of products of all columns: everything that a step needs, in one pass. Four rows at a time, so that each sum is
+/// loaded and stored once for four pixels; only blocks on and below the diagonal.
+class Products {
+ public:
+  void add(const std::array<Row, 4>& rows) noexcept {
+    for (int block = 0; block < kColumns / 4; ++block) {
+      for (int i = 4 * block; i < 4 * block + 4; ++i) {
+        std::array<cv::v_float32x4, 4> factor;
+        for (std::size_t k = 0; k < 4; ++k) factor[k] = cv::v_setall_f32(rows[k][static_cast<std::size_t>(i)]);
+        for (int j = 0; j < 4 * block + 4; j += 4) {
+          float* to = &sum_[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+          cv::v_float32x4 s = cv::v_load_aligned(to);
+          for (std::size_t k = 0; k < 4; ++k) s = cv::v_muladd(factor[k], cv::v_load_aligned(&rows[k][static_cast<std::size_t>(j)]), s);
+          cv::v_store_aligned(to, s);
+        }
+      }
+    }
   }
   double operator()(int i, int j) const noexcept {
-    return static_cast<double>(sum[static_cast<std::size_t>(std::max(i, j))][static_cast<std::size_t>(std::min(i, j))]);
+    return static_cast<double>(sum_[static_cast<std::size_t>(std::max(i, j))][static_cast<std::size_t>(std::min(i, j))]);
   }
+
+ private:
+  alignas(16) std::array<Row, kColumns> sum_{};
 };
 
 /// 1 - Phi(z) and its density. Abramowitz & Stegun, "Handbook of Mathematical Functions", 26.2.17: error below 7.5e-8.
@@ -100,7 +115,7 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
 
   // Columns: the unknowns' derivatives for contrast 1, the group's own, the grey level less a constant (for precision).
   Products products;
-  alignas(16) std::array<float, kColumns> row{};
+  alignas(16) std::array<Row, 4> rows{};
   const auto first = static_cast<std::size_t>(group.first);
   const auto blur = static_cast<float>(state.blur_px2);
   const auto blur_cos = static_cast<float>(state.blur_cos_px2), blur_sin = static_cast<float>(state.blur_sin_px2);
@@ -108,6 +123,7 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
   const float grey = pixels.luma[first];
   for (std::int32_t i = 0; i < count; ++i) {
     const std::size_t at = first + static_cast<std::size_t>(i);
+    Row& row = rows[static_cast<std::size_t>(i) % 4];
     const Eigen::Vector3f m(pixels.ray_x[at], pixels.ray_y[at], 1);
     const Eigen::Vector3f q = v.F * m;
     const float depth = 1 / q.z();
@@ -149,7 +165,11 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
       row[kOwn + 3] = paper * 0.1F * (pixels.y_px[at] - group.centre_y_px);
     }
     row[kGrey] = pixels.luma[at] - grey;
-    products.add(row);
+    if (i % 4 == 3) products.add(rows);
+  }
+  if (count % 4 != 0) {
+    for (std::size_t k = static_cast<std::size_t>(count) % 4; k < 4; ++k) rows[k].fill(0);
+    products.add(rows);
   }
 
   Eigen::Matrix4d BB;
