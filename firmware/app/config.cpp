@@ -257,6 +257,10 @@ Config parse_config(std::string_view text, const std::string& name, ConfigProble
 
 Config read_config(const std::string& path) {
   ConfigProblems problems;
+  return read_config(path, problems);
+}
+
+Config read_config(const std::string& path, ConfigProblems& problems) {
   Config config = parse_config(read_text_file(path, kMaxFile_bytes), path, problems);
   if (config.camera.source == "recording") make_absolute(config.camera.device, path);
   make_absolute(config.camera.calibration, path);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 
@@ -17,6 +18,17 @@ constexpr std::size_t kMaxLandmarks = 1000;
 bool is_address(const std::string& text) {
   in6_addr address{};
   return ::inet_pton(AF_INET, text.c_str(), &address) == 1 || ::inet_pton(AF_INET6, text.c_str(), &address) == 1;
+}
+
+/// "10.0.0.1", "10.0.0.0/8", "fe80::/10"
+bool is_network(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  if (!is_address(text.substr(0, slash))) return false;
+  if (slash == std::string::npos) return true;
+  const int max_length = text.find(':') == std::string::npos ? 32 : 128;
+  int length = -1;
+  const auto [end, error] = std::from_chars(text.data() + slash + 1, text.data() + text.size(), length);
+  return error == std::errc{} && end == text.data() + text.size() && length >= 0 && length <= max_length;
 }
 
 void check_geometry(const LandmarkConfig& landmark, ConfigProblems& problems) {
@@ -76,9 +88,9 @@ void check_modbus(const Config& config, ConfigProblems& problems) {
     problems.add(problems.line_of("modbus.tcp.listen"),
                  fmt::format("'listen' is '{}'; write an IPv4 or IPv6 address", config.modbus_tcp.listen));
   for (const std::string& peer : config.modbus_tcp.allow)
-    if (!is_address(peer))
+    if (!is_network(peer))
       problems.add(problems.line_of("modbus.tcp.allow"),
-                   fmt::format("'allow' lists '{}'; write IPv4 or IPv6 addresses", peer));
+                   fmt::format("'allow' lists '{}'; write addresses like 10.0.0.1 or 10.0.0.0/8", peer));
   constexpr std::array kRates{1200,   2400,   4800,   9600,   19200,  38400, 57600,
                               115200, 230400, 460800, 500000, 576000, 921600};
   if (std::ranges::find(kRates, config.modbus_rtu.baud) == kRates.end())

@@ -32,4 +32,7 @@ void check_config(const Config& config, ConfigProblems& problems);
 /// afterwards its `lines` are filled. Throws StartupError(kWrongUsage).
 Config parse_config(std::string_view text, const std::string& name, ConfigProblems& problems);
 
+/// read_config, which also tells where the keys stand. \param problems  empty; afterwards its `lines` are filled
+Config read_config(const std::string& path, ConfigProblems& problems);
+
 }  // namespace ninedot

@@ -100,11 +100,12 @@ const std::array kKeys{
     ConfigKey{"modbus.tcp", "max_clients", "", 1, 64, "", "connections at a time", SLOT(modbus_tcp.max_clients)},
     ConfigKey{"modbus.tcp", "idle_timeout_s", "s", 1, 86400, "",
               "a connection without a request is closed after this time", SLOT(modbus_tcp.idle_timeout_s)},
-    ConfigKey{"modbus.tcp", "allow", "", 0, 0, "", "addresses that may connect; empty = all", SLOT(modbus_tcp.allow)},
+    ConfigKey{"modbus.tcp", "allow", "", 0, 0, "",
+              "addresses, or networks like `10.0.0.0/8`, that may connect; empty = all", SLOT(modbus_tcp.allow)},
 
     ConfigKey{"modbus.rtu", "device", "", 0, 0, "", "serial port", SLOT(modbus_rtu.device)},
     ConfigKey{"modbus.rtu", "baud", "", 1200, 921600, "", "one of the standard rates", SLOT(modbus_rtu.baud)},
-    ConfigKey{"modbus.rtu", "parity", "", 0, 0, "N|E|O", "none (two stop bits), even or odd", SLOT(modbus_rtu.parity)},
+    ConfigKey{"modbus.rtu", "parity", "", 0, 0, "N|E|O", "none, even or odd; one stop bit", SLOT(modbus_rtu.parity)},
     ConfigKey{"modbus.rtu", "unit", "", 1, 247, "", "this device's address on the line", SLOT(modbus_rtu.unit)},
 
     ConfigKey{"service", "realtime_priority", "", 0, 99, "", "SCHED_FIFO priority of the frame loop; 0 = off",

@@ -11,7 +11,7 @@
 namespace ninedot {
 namespace {
 
-constexpr const char* kSourcesOfThisBuild = "recording";
+constexpr const char* kSourceOfThisBuild = "recording";
 
 std::string describe_recording_failure(const FrameSource& frames) {
   return static_cast<const RecordingSource&>(frames).last_failure();
@@ -54,10 +54,15 @@ CameraModel read_camera_calibration(const CameraConfig& config) {
   return camera;
 }
 
+void check_source(const CameraConfig& config) {
+  if (config.source != kSourceOfThisBuild)
+    throw StartupError(ExitStatus::kWrongUsage, fmt::format("camera.source is '{}', but this build has only '{}'",
+                                                            config.source, kSourceOfThisBuild));
+}
+
 OpenedSource open_source(const CameraConfig& config, FrameDemand demand) {
-  if (config.source == "recording") return open_recording(config, demand);
-  throw StartupError(ExitStatus::kWrongUsage, fmt::format("camera.source is '{}', but this build has only: {}",
-                                                          config.source, kSourcesOfThisBuild));
+  check_source(config);
+  return open_recording(config, demand);
 }
 
 }  // namespace ninedot

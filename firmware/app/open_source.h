@@ -22,6 +22,9 @@ struct OpenedSource {
   std::size_t frame_count = 0;  ///< of a recording that does not loop; 0 = endless
 };
 
+/// Throws StartupError(kWrongUsage) when this build has no such source, naming those that it has.
+void check_source(const CameraConfig& config);
+
 /// The calibration for [camera]: `calibration`, or the recording's own camera.yaml.
 /// Throws StartupError(kWrongUsage): there is none, it is damaged, or it is for pictures of another size than width_px
 /// x height_px.

@@ -67,7 +67,7 @@ p3 = -1.5
 hold_ms = 250
 [modbus.tcp]
 port = 502
-allow = ["10.0.0.1", "fe80::1"]
+allow = ["10.0.0.0/8", "fe80::1"]
 [modbus.rtu]
 parity = "N"
 )");
@@ -84,7 +84,7 @@ parity = "N"
   EXPECT_EQ(config.modbus.hold_ms, 250U);
   EXPECT_TRUE(config.modbus_tcp.enabled);
   EXPECT_EQ(config.modbus_tcp.port, 502);
-  EXPECT_EQ(config.modbus_tcp.allow, (std::vector<std::string>{"10.0.0.1", "fe80::1"}));
+  EXPECT_EQ(config.modbus_tcp.allow, (std::vector<std::string>{"10.0.0.0/8", "fe80::1"}));
   EXPECT_TRUE(config.modbus_rtu.enabled);
   EXPECT_EQ(config.modbus_rtu.parity, 'N');
 }
@@ -189,7 +189,7 @@ TEST(Config, RefusesAddressesAndRatesThatAreNone) {
   EXPECT_EQ(error_of("[modbus.tcp]\nlisten = \"localhost\""),
             "t.toml:2: 'listen' is 'localhost'; write an IPv4 or IPv6 address");
   EXPECT_EQ(error_of("[modbus.tcp]\nallow = [\"10.0.0.256\"]"),
-            "t.toml:2: 'allow' lists '10.0.0.256'; write IPv4 or IPv6 addresses");
+            "t.toml:2: 'allow' lists '10.0.0.256'; write addresses like 10.0.0.1 or 10.0.0.0/8");
   EXPECT_EQ(error_of("[modbus.rtu]\nbaud = 9601"),
             "t.toml:2: 'baud' is 9601; write a standard rate like 9600, 19200 or 115200");
   EXPECT_EQ(error_of("[modbus.rtu]\ndevice = \"\""), "t.toml:2: 'device' is empty");
