@@ -133,27 +133,21 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Verification& ver
   return seen;
 }
 
-/// The ring looks the same after an eighth of a turn: eight numberings, each of which makes another camera. The camera
-/// stands upright (but for the expected roll) and roughly at the landmark's height, so P1 is the dot that needs the least
-/// roll and the least elevation together. Seen from in front that is the lowest dot. From steeply aside neighbours differ
-/// by 15 degrees of roll alone, but by 40 of elevation; from diagonally above the lowest dot is P1's neighbour, and roll
-/// tells them apart.
+/// The ring looks the same after an eighth of a turn. P1 is the dot that makes the camera's roll come closest to the
+/// expected one: seen upright from in front that is the lowest dot, and it stays right from diagonally above, where the
+/// dot lowest in the picture is a neighbour. The price: seen at 75 degrees from aside, neighbours are 15 degrees of roll
+/// apart, so the camera must be level within 7. (Elevation would tell them apart, but a distant landmark's is unknown.)
 void Detector::Workspace::number_dots(LandmarkObservation& seen) const noexcept {
-  constexpr double kRollSigma_rad = 14 * std::numbers::pi / 180;       // hand-levelled mounts, uneven floors
-  constexpr double kElevationSigma_rad = 40 * std::numbers::pi / 180;  // cameras from floor to ceiling in a room
   const Eigen::Vector3d X = seen.H_ray_plane.col(0);
   const Eigen::Vector3d Z = seen.H_ray_plane.col(1);
-  const Eigen::Vector3d to_camera = -seen.H_ray_plane.col(2).normalized();
   std::size_t lowest = 0;
-  double least = 1e9;
+  double smallest_rad = 1e9;
   for (std::size_t k = 0; k < kRingDotCount; ++k) {
     const Eigen::Vector2d towards = landmark.centre_m(k).normalized();
-    const Eigen::Vector3d up = -(towards.x() * X + towards.y() * Z).normalized();
-    const double roll_rad =
-        std::remainder(std::atan2(up.x(), -up.y()) - options.expected_roll_rad, 2 * std::numbers::pi);
-    const double elevation_rad = std::asin(std::clamp(up.dot(to_camera), -1.0, 1.0));
-    const double cost = std::pow(roll_rad / kRollSigma_rad, 2) + std::pow(elevation_rad / kElevationSigma_rad, 2);
-    if (cost < least) least = cost, lowest = k;
+    const Eigen::Vector3d up = -(towards.x() * X + towards.y() * Z);
+    const double roll_rad = std::atan2(up.x(), -up.y()) - options.expected_roll_rad;
+    const double off_rad = std::abs(std::remainder(roll_rad, 2 * std::numbers::pi));
+    if (off_rad < smallest_rad) smallest_rad = off_rad, lowest = k;
   }
   if (lowest == 0) return;
   const auto dots = seen.dots;
