@@ -15,7 +15,7 @@
 namespace ninedot {
 namespace {
 
-constexpr int kMinArea_px2 = 3;           // below: noise; a dot of 2.3 px diameter covers 4 pixels
+constexpr int kMinArea_px2 = 2;           // a dot of 2.6 px diameter, blurred, may leave no more at the half level
 constexpr int kMaxSide_px = 60;           // of a component at its level; larger ones are better seen a level up
 constexpr int kGreyMomentsBelow_px2 = 120;  // moments of grey levels are worth their time for small blobs only
 constexpr int kMinContrast_lsb = 10;      // a dot that differs less from its paper is not measurable

@@ -134,8 +134,9 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Verification& ver
 }
 
 /// The ring looks the same after an eighth of a turn. P1 is the dot that makes the camera's roll come closest to the
-/// expected one: seen upright from in front that is the lowest dot, and it stays right from steep angles, where the dot
-/// lowest in the picture may be a neighbour.
+/// expected one: seen upright from in front that is the lowest dot, and it stays right from diagonally above, where the
+/// dot lowest in the picture is a neighbour. The price: seen at 75 degrees from aside, neighbours are 15 degrees of roll
+/// apart, so the camera must be level within 7. (Elevation would tell them apart, but a distant landmark's is unknown.)
 void Detector::Workspace::number_dots(LandmarkObservation& seen) const noexcept {
   const Eigen::Vector3d X = seen.H_ray_plane.col(0);
   const Eigen::Vector3d Z = seen.H_ray_plane.col(1);

@@ -18,13 +18,14 @@ namespace {
 
 constexpr std::size_t kMaxPixels = 12000;
 constexpr int kMaxIterations = 7;
-constexpr int kLastCollection = 3;         // iterations after it keep their pixels
+constexpr int kLastCollection = 2;         // iterations after it keep their pixels, unless a dot is split
+constexpr int kFirstThinning = 2;          // of the pixels, while the pose is off by tenths of a pixel
 constexpr double kFirstBand_px = 3.5;     // the centroids' start is good to a pixel
 constexpr double kBandPerSigma = 2.6;     // beyond, an outline's grey levels no longer depend on its place
 constexpr double kOffsetSigma_px = 0.35;  // prior of the common offset: an sRGB curve moves edges by 0.3 px (METHOD, section 3)
 constexpr double kHarmonicSigma_px2 = 0.6;  // prior of the blur's direction
 constexpr double kMeanBlur_px2 = 0.7, kMeanBlurSigma_px2 = 3;
-constexpr double kCentroidSigma_px = 0.2;  // of a blob, for telling the two planar solutions apart at a glance
+constexpr double kCentroidSigma_px = 0.15;  // of a blob, at best, for telling the two planar solutions apart at a glance
 constexpr double kDecisive = 60;           // difference of chi^2 above which the other solution is not even refined
 constexpr double kSamePose_rad = 0.005;    // two solutions closer than this are one
 constexpr double kMinGroupShare = 0.3;     // of a dot's groups, to count it as used
@@ -59,7 +60,7 @@ struct FullSolver::Workspace {
   void fit_all(const OutlineState& state) noexcept;
   void weigh_groups(int iteration, Refined& out) noexcept;
   double model_variance(double noise_variance, double contrast_lsb) const noexcept;
-  void split_shadowed_dots(double noise_variance) noexcept;
+  bool split_shadowed_dots(double noise_variance) noexcept;
   double difference_of_chi2(const Refined& best, const Refined& other) noexcept;
   PoseEstimate conclude(const Refined& best, double ambiguity) const noexcept;
 
@@ -176,15 +177,21 @@ double FullSolver::Workspace::model_variance(double noise_variance, double contr
 }
 
 /// A dot that a shadow's edge crosses does not fit one paper and one ink. Its sectors do, but for those on the edge.
-void FullSolver::Workspace::split_shadowed_dots(double noise_variance) noexcept {
+/// \return  whether there is a new one
+bool FullSolver::Workspace::split_shadowed_dots(double noise_variance) noexcept {
   constexpr double kMaxVariance = 2.5;      // of the noise; smooth light gives 0.7 .. 1.6
   constexpr double kMaxMisfit = 0.02;       // of the contrast: what the outline's model itself leaves over
+  bool any = false;
   for (std::size_t i = 0; i < pixels.groups.size(); ++i) {
     const GroupFit& fit = fits[i];
     if (!pixels.groups[i].whole_dot || !fit.usable) continue;
     const double variance = fit.squared_residuals / fit.degrees_of_freedom;
-    if (variance > kMaxVariance * noise_variance + std::pow(kMaxMisfit * fit.contrast_lsb, 2)) split[pixels.groups[i].dot] = true;
+    if (variance > kMaxVariance * noise_variance + std::pow(kMaxMisfit * fit.contrast_lsb, 2)) {
+      any = any || !split[pixels.groups[i].dot];
+      split[pixels.groups[i].dot] = true;
+    }
   }
+  return any;
 }
 
 bool FullSolver::Workspace::refine(const ImageView& luma, CameraFromLandmark start, Refined& out) noexcept {
@@ -192,15 +199,17 @@ bool FullSolver::Workspace::refine(const ImageView& luma, CameraFromLandmark sta
   out.state.T_camera_landmark = start;
   out.converged = false;
   double band_px = kFirstBand_px;
+  bool just_split = false;
   split.fill(false);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    if (iteration <= kLastCollection) {
-      collect_outline_pixels(luma, camera, rays, landmark, out.state.T_camera_landmark, band_px, split, pixels);
+    if (iteration <= kLastCollection || just_split) {
+      collect_outline_pixels(luma, camera, rays, landmark, out.state.T_camera_landmark, band_px,
+                             iteration == 0 ? kFirstThinning : 1, split, pixels);
       if (pixels.groups.empty()) return false;
     }
     fit_all(out.state);
     weigh_groups(iteration, out);
-    if (iteration >= 1 && iteration < kLastCollection) split_shadowed_dots(out.noise_variance);
+    just_split = iteration >= 1 && iteration <= 3 && split_shadowed_dots(out.noise_variance);
 
     UnknownMatrix A = UnknownMatrix::Zero();
     UnknownVector b = UnknownVector::Zero();
@@ -230,7 +239,7 @@ bool FullSolver::Workspace::refine(const ImageView& luma, CameraFromLandmark sta
     band_px = std::clamp(kBandPerSigma * sigma_px + 0.3, 1.8, 8.0);
     // A step of the pose of a sixth of a standard deviation changes nothing that can be seen.
     const Vector6d moved = step.head<6>();
-    if (iteration >= kLastCollection && moved.dot(A.topLeftCorner<6, 6>() * moved) < 0.03) {
+    if (iteration >= kLastCollection && !just_split && moved.dot(A.topLeftCorner<6, 6>() * moved) < 0.03) {
       out.converged = true;
       break;
     }
@@ -301,7 +310,8 @@ Result<PoseEstimate> FullSolver::solve(const ImageView& luma, const LandmarkObse
                                        const Transform<frame::Landmark, frame::Camera>* previous) noexcept {
   Workspace& w = *workspace_;
   NINEDOT_TRY(const PlanarPoses starts, w.start_from_centroids(seen));
-  const double scale = w.camera.fx_px / kCentroidSigma_px;
+  const double sigma_px = std::max(kCentroidSigma_px, starts[0].rms * w.camera.fx_px);
+  const double scale = w.camera.fx_px / sigma_px;
   const double coarse = 2 * std::max(seen.seen_count, 4) * (std::pow(starts[1].rms * scale, 2) - std::pow(starts[0].rms * scale, 2));
   const auto angle_between = [](const CameraFromLandmark& a, const CameraFromLandmark& b) {
     return log_so3(a.rotation.transpose() * b.rotation).norm();

@@ -3,7 +3,10 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <opencv2/core/hal/intrin.hpp>
 
@@ -18,50 +21,53 @@ namespace {
 constexpr double kMinBlur_px2 = 0.12;  // a pixel alone has 1/12
 constexpr double kMaxBlur_px2 = 25;
 constexpr int kMaxOwn = 4;  // unknowns of a group: paper, ink, two slopes
-constexpr int kOwn = kUnknowns;           // first column of the group's own unknowns
-constexpr int kGrey = kUnknowns + kMaxOwn;  // column of the grey level
-constexpr int kColumns = 16;              // padded, so that every row of the sums is whole vectors
-static_assert(kGrey < kColumns);
+// Columns: the unknowns' derivatives for contrast 1, the grey level, the group's own (paper, ink, two slopes), so that a
+// group without slopes ends two columns earlier.
+constexpr int kGrey = kUnknowns;
+constexpr int kOwn = kUnknowns + 1;
+constexpr int kColumns = kOwn + kMaxOwn;
 
-using Row = std::array<float, kColumns>;
+constexpr int kLanes = 8;                 // pixels at a time: loops over lanes become vector instructions
+using Lanes = std::array<float, kLanes>;
+using Batch = std::array<Lanes, kColumns>;
 
-/// Sums of products of all columns: everything that a step needs, in one pass. Four rows at a time, so that each sum is
-/// loaded and stored once for four pixels; only blocks on and below the diagonal.
+/// Sums of products of all columns: everything that a step needs, in one pass.
 class Products {
  public:
-  void add(const std::array<Row, 4>& rows) noexcept {
-    for (int block = 0; block < kColumns / 4; ++block) {
-      for (int i = 4 * block; i < 4 * block + 4; ++i) {
-        std::array<cv::v_float32x4, 4> factor;
-        for (std::size_t k = 0; k < 4; ++k) factor[k] = cv::v_setall_f32(rows[k][static_cast<std::size_t>(i)]);
-        for (int j = 0; j < 4 * block + 4; j += 4) {
-          float* to = &sum_[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-          cv::v_float32x4 s = cv::v_load_aligned(to);
-          for (std::size_t k = 0; k < 4; ++k) s = cv::v_muladd(factor[k], cv::v_load_aligned(&rows[k][static_cast<std::size_t>(j)]), s);
-          cv::v_store_aligned(to, s);
-        }
+  void add(const Batch& batch, int columns) noexcept {
+    std::size_t pair = 0;
+    for (int i = 0; i < columns; ++i) {
+      const float* a = batch[static_cast<std::size_t>(i)].data();
+      const cv::v_float32x4 a0 = cv::v_load_aligned(a), a1 = cv::v_load_aligned(a + 4);
+      for (int j = 0; j <= i; ++j, ++pair) {
+        const float* b = batch[static_cast<std::size_t>(j)].data();
+        float* to = sum_[pair].data();
+        cv::v_float32x4 s = cv::v_muladd(a0, cv::v_load_aligned(b), cv::v_load_aligned(to));
+        s = cv::v_muladd(a1, cv::v_load_aligned(b + 4), s);
+        cv::v_store_aligned(to, s);
       }
     }
   }
   double operator()(int i, int j) const noexcept {
-    return static_cast<double>(sum_[static_cast<std::size_t>(std::max(i, j))][static_cast<std::size_t>(std::min(i, j))]);
+    const int row = std::max(i, j);
+    const auto& s = sum_[static_cast<std::size_t>(row * (row + 1) / 2 + std::min(i, j))];
+    return static_cast<double>((s[0] + s[1]) + (s[2] + s[3]));
   }
 
  private:
-  alignas(16) std::array<Row, kColumns> sum_{};
+  alignas(16) std::array<std::array<float, 4>, kColumns*(kColumns + 1) / 2> sum_{};
 };
 
-/// 1 - Phi(z) and its density. Abramowitz & Stegun, "Handbook of Mathematical Functions", 26.2.17: error below 7.5e-8.
-struct Normal {
-  float above, density;
-};
-inline Normal normal(float z) noexcept {
-  const float a = std::abs(z);
-  const float density = 0.39894228F * std::exp(-0.5F * z * z);
-  const float k = 1 / (1 + 0.2316419F * a);
-  const float tail =
-      density * k * (0.319381530F + k * (-0.356563782F + k * (1.781477937F + k * (-1.821255978F + k * 1.330274429F))));
-  return {z >= 0 ? tail : 1 - tail, density};
+/// exp(x) for x <= 0 without a branch: 2^n times a polynomial on [-ln2/2, ln2/2]; relative error below 3e-7.
+/// Coefficients: Cody & Waite's reduction with the Taylor polynomial of degree 6.
+inline float exp_of_negative(float x) noexcept {
+  x = x > -80.0F ? x : -80.0F;
+  const float n = static_cast<float>(static_cast<std::int32_t>(x * 1.44269504F - 0.5F));
+  const float r = x - n * 0.693359375F + n * 2.12194440e-4F;
+  const float p =
+      1 + r * (1 + r * (0.5F + r * (0.166666667F + r * (0.0416666667F + r * (0.00833333333F + r * 0.00138888889F)))));
+  const std::int32_t exponent = (static_cast<std::int32_t>(n) + 127) << 23;
+  return p * std::bit_cast<float>(exponent);
 }
 
 /// What all pixels of a dot share.
@@ -89,6 +95,82 @@ DotView view_of(const OutlinePixels& pixels, const LandmarkGeometry& landmark, c
   return v;
 }
 
+/// Evaluates up to kLanes pixels of a group into columns; lanes beyond `used` are zero. Plain loops over lanes, free of
+/// branches, for the compiler to vectorise. Grey levels are less the group's first one: sums of squares stay small.
+void fill_batch(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& v, const OutlineState& state,
+                std::int32_t begin, int used, float slope_scale, Batch& batch) noexcept {
+  const auto first = static_cast<std::size_t>(group.first);
+  Lanes ray_x{}, ray_y{}, x_px{}, y_px{}, grey{}, there{};
+  for (int l = 0; l < used; ++l) {
+    const auto at = first + static_cast<std::size_t>(begin + l);
+    const auto lane = static_cast<std::size_t>(l);
+    ray_x[lane] = pixels.ray_x[at], ray_y[lane] = pixels.ray_y[at];
+    x_px[lane] = pixels.x_px[at], y_px[lane] = pixels.y_px[at];
+    grey[lane] = pixels.luma[at] - pixels.luma[first];
+    there[lane] = 1;
+  }
+  for (int l = used; l < kLanes; ++l) ray_x[static_cast<std::size_t>(l)] = ray_x[0], ray_y[static_cast<std::size_t>(l)] = ray_y[0];
+
+  const auto blur = static_cast<float>(state.blur_px2);
+  const auto blur_cos = static_cast<float>(state.blur_cos_px2), blur_sin = static_cast<float>(state.blur_sin_px2);
+  const auto offset = static_cast<float>(state.offset_px);
+  constexpr auto kPerLever = static_cast<float>(1 / kLever_m);
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const float mx = ray_x[l], my = ray_y[l];
+    const float depth = 1 / (v.F(2, 0) * mx + v.F(2, 1) * my + v.F(2, 2));
+    const float X = (v.F(0, 0) * mx + v.F(0, 1) * my + v.F(0, 2)) * depth - v.C.x();
+    const float Z = (v.F(1, 0) * mx + v.F(1, 1) * my + v.F(1, 2)) * depth - v.C.y();
+    const float rho = std::sqrt(X * X + Z * Z + 1e-12F);
+    const float eX = X / rho, eZ = Z / rho;
+    const float gx = eX * v.rX.x() + eZ * v.rZ.x(), gy = eX * v.rX.y() + eZ * v.rZ.y(), gz = eX * v.rX.z() + eZ * v.rZ.z();
+    const float along = (gx * mx + gy * my + gz) / (v.n.x() * mx + v.n.y() * my + v.n.z());
+    const float hx = gx - v.n.x() * along, hy = gy - v.n.y() * along, hz = gz - v.n.z() * along;
+    const float gradient_x = depth * (v.N(0, 0) * hx + v.N(1, 0) * hy), gradient_y = depth * (v.N(0, 1) * hx + v.N(1, 1) * hy);
+    const float slope2 = gradient_x * gradient_x + gradient_y * gradient_y;
+    const float slope = std::sqrt(slope2);
+    const float c2 = (gradient_x * gradient_x - gradient_y * gradient_y) / slope2;
+    const float s2 = 2 * gradient_x * gradient_y / slope2;
+    const float wanted = blur + blur_cos * c2 + blur_sin * s2;
+    const float variance = wanted > 0.1F ? wanted : 0.1F;
+    const float sigma = std::sqrt(variance);
+    // A blurred disc's half-level outline shrinks by s^2 / (2 radius of curvature); inside, no more than at the rim.
+    const float area = v.det_F * depth * depth * depth * v.det_N;
+    const float inner = 0.7F * v.radius_m;
+    const float curvature = area * area / ((rho > inner ? rho : inner) * slope * slope2);
+    const float bend = curvature < 1 / sigma ? curvature : 1 / sigma;
+    const float z = ((rho - v.radius_m) / slope + 0.5F * variance * bend - offset) / sigma;
+
+    // 1 - Phi(z): Abramowitz & Stegun, "Handbook of Mathematical Functions", 26.2.17; error below 7.5e-8.
+    const float magnitude = z > 0 ? z : -z;
+    const float density = 0.39894228F * exp_of_negative(-0.5F * z * z);
+    const float k = 1 / (1 + 0.2316419F * magnitude);
+    const float tail =
+        density * k * (0.319381530F + k * (-0.356563782F + k * (1.781477937F + k * (-1.821255978F + k * 1.330274429F))));
+    const float ink = (z > 0 ? tail : 1 - tail) * there[l];
+    const float paper = there[l] - ink;
+
+    const float brighter = density / sigma * there[l];  // per px outwards, for contrast 1
+    const float per_move = -brighter / slope, per_turn = per_move * kPerLever;
+    const float ax = depth * mx - v.t.x(), ay = depth * my - v.t.y(), az = depth - v.t.z();
+    batch[0][l] = (ay * hz - az * hy) * per_turn;
+    batch[1][l] = (az * hx - ax * hz) * per_turn;
+    batch[2][l] = (ax * hy - ay * hx) * per_turn;
+    batch[3][l] = hx * per_move;
+    batch[4][l] = hy * per_move;
+    batch[5][l] = hz * per_move;
+    batch[6][l] = -brighter;
+    const float wider = brighter * (0.5F * bend - z / (2 * sigma));  // per px^2 of variance
+    batch[7][l] = wider;
+    batch[8][l] = wider * c2;
+    batch[9][l] = wider * s2;
+    batch[kGrey][l] = grey[l];
+    batch[kOwn][l] = paper;
+    batch[kOwn + 1][l] = ink;
+    batch[kOwn + 2][l] = paper * slope_scale * (x_px[l] - group.centre_x_px);
+    batch[kOwn + 3][l] = paper * slope_scale * (y_px[l] - group.centre_y_px);
+  }
+}
+
 }  // namespace
 
 void OutlineState::apply(const UnknownVector& step) noexcept {
@@ -113,63 +195,12 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
   if (fit.degrees_of_freedom < 4) return;
   const DotView v = view_of(pixels, landmark, state.T_camera_landmark, group.dot);
 
-  // Columns: the unknowns' derivatives for contrast 1, the group's own, the grey level less a constant (for precision).
   Products products;
-  alignas(16) std::array<Row, 4> rows{};
-  const auto first = static_cast<std::size_t>(group.first);
-  const auto blur = static_cast<float>(state.blur_px2);
-  const auto blur_cos = static_cast<float>(state.blur_cos_px2), blur_sin = static_cast<float>(state.blur_sin_px2);
-  const auto offset = static_cast<float>(state.offset_px);
-  const float grey = pixels.luma[first];
-  for (std::int32_t i = 0; i < count; ++i) {
-    const std::size_t at = first + static_cast<std::size_t>(i);
-    Row& row = rows[static_cast<std::size_t>(i) % 4];
-    const Eigen::Vector3f m(pixels.ray_x[at], pixels.ray_y[at], 1);
-    const Eigen::Vector3f q = v.F * m;
-    const float depth = 1 / q.z();
-    const Eigen::Vector2f off = q.head<2>() * depth - v.C;
-    const float rho = std::max(off.norm(), 1e-6F);
-    const Eigen::Vector2f e = off / rho;
-    const Eigen::Vector3f g = e.x() * v.rX + e.y() * v.rZ;
-    const Eigen::Vector3f h = g - v.n * (g.dot(m) / v.n.dot(m));
-    const Eigen::Vector2f grad = depth * (v.N.transpose() * h.head<2>());
-    const float slope = grad.norm();
-    const Eigen::Vector2f normal_px = grad / slope;
-    const float c2 = normal_px.x() * normal_px.x() - normal_px.y() * normal_px.y();
-    const float s2 = 2 * normal_px.x() * normal_px.y();
-    const float variance = std::max(blur + blur_cos * c2 + blur_sin * s2, 0.1F);
-    const float sigma = std::sqrt(variance);
-    // A blurred disc's half-level outline shrinks by s^2 / (2 radius of curvature); inside, no more than at the rim.
-    const float area = v.det_F * depth * depth * depth * v.det_N;
-    const float bend = std::min(area * area / (std::max(rho, 0.7F * v.radius_m) * slope * slope * slope), 1 / sigma);
-    const float d = (rho - v.radius_m) / slope + 0.5F * variance * bend - offset;
-    const float z = d / sigma;
-    const Normal cover = normal(z);
-
-    if (with_normal) {
-      const float brighter = cover.density / sigma;  // per px outwards, for contrast 1
-      const Eigen::Vector3f arm = depth * m - v.t;
-      const Eigen::Vector3f turn = arm.cross(h) * (-brighter / (slope * static_cast<float>(kLever_m)));
-      const Eigen::Vector3f move = h * (-brighter / slope);
-      row[0] = turn.x(), row[1] = turn.y(), row[2] = turn.z();
-      row[3] = move.x(), row[4] = move.y(), row[5] = move.z();
-      row[6] = -brighter;
-      const float wider = brighter * (0.5F * bend - z / (2 * sigma));  // per px^2 of variance
-      row[7] = wider, row[8] = wider * c2, row[9] = wider * s2;
-    }
-    const float paper = 1 - cover.above;
-    row[kOwn] = paper;
-    row[kOwn + 1] = cover.above;
-    if (own > 2) {
-      row[kOwn + 2] = paper * 0.1F * (pixels.x_px[at] - group.centre_x_px);
-      row[kOwn + 3] = paper * 0.1F * (pixels.y_px[at] - group.centre_y_px);
-    }
-    row[kGrey] = pixels.luma[at] - grey;
-    if (i % 4 == 3) products.add(rows);
-  }
-  if (count % 4 != 0) {
-    for (std::size_t k = static_cast<std::size_t>(count) % 4; k < 4; ++k) rows[k].fill(0);
-    products.add(rows);
+  alignas(16) Batch batch{};
+  const float paper_width = own > 2 ? 0.1F : 0;
+  for (std::int32_t i = 0; i < count; i += kLanes) {
+    fill_batch(pixels, group, v, state, i, std::min(kLanes, count - i), paper_width, batch);
+    products.add(batch, kOwn + own);
   }
 
   Eigen::Matrix4d BB;
@@ -178,6 +209,7 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
     By(i) = products(kOwn + i, kGrey);
     for (int j = 0; j < kMaxOwn; ++j) BB(i, j) = products(kOwn + i, kOwn + j);
   }
+  const float grey = pixels.luma[static_cast<std::size_t>(group.first)];
   if (BB(0, 0) < 0.5 || BB(1, 1) < 0.3) return;  // nothing but paper, or nothing but ink, in sight
   // Slopes that the pixels say nothing of stay zero.
   constexpr double kLeast = 1e-3;

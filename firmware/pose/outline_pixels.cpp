@@ -176,7 +176,7 @@ bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e
 
 void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, const RayTable& rays,
                             const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark, double band_px,
-                            const std::array<bool, kDotCount>& split, OutlinePixels& out) noexcept {
+                            int thinning, const std::array<bool, kDotCount>& split, OutlinePixels& out) noexcept {
   out.count = 0;
   out.groups.clear();
   out.visible_outlines = 0;
@@ -191,7 +191,7 @@ void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, co
                     ? std::numbers::pi * (e.semi_major_px + band_px) * (e.semi_minor_px + band_px)
                     : std::numbers::pi * (e.semi_major_px + e.semi_minor_px) * 2 * band_px;
   }
-  const int thin = 1 + static_cast<int>(1.1 * expected / static_cast<double>(out.luma.size()));
+  const int thin = std::max(thinning, 1 + static_cast<int>(1.1 * expected / static_cast<double>(out.luma.size())));
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     if (!in_front[dot]) continue;
     const std::size_t before = out.groups.size();

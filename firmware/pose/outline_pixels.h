@@ -52,10 +52,11 @@ class RayTable {
 };
 
 /// Collects the pixels within `band_px` of every dot's outline as the pose predicts it.
+/// \param thinning  1 = every pixel, 2 = every second one, ...
 /// \param split  dots to cut into sectors even when they are small, because a shadow's edge crosses them
 /// Above the capacity of `out`, large dots are thinned to every second or third pixel instead of being cut off.
 void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, const RayTable& rays,
                             const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark, double band_px,
-                            const std::array<bool, kDotCount>& split, OutlinePixels& out) noexcept;
+                            int thinning, const std::array<bool, kDotCount>& split, OutlinePixels& out) noexcept;
 
 }  // namespace ninedot

@@ -43,7 +43,7 @@ TEST(OutlineModel, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
   const CameraModel camera;
   const RayTable rays(camera);
   OutlinePixels pixels(12000);
-  collect_outline_pixels(picture.view(), camera, rays, LandmarkGeometry{}, state.T_camera_landmark, 3, {}, pixels);
+  collect_outline_pixels(picture.view(), camera, rays, LandmarkGeometry{}, state.T_camera_landmark, 3, 1, {}, pixels);
   ASSERT_GE(pixels.groups.size(), kDotCount);
 
   UnknownVector gradient = UnknownVector::Zero();
