@@ -1,0 +1,18 @@
+// A configuration is refused with one line that names a line, or is within its ranges.
+#include "app/config_checks.h"
+#include "base/contract.h"
+#include "base/startup_error.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t count) {
+  using namespace ninedot;
+  ConfigProblems problems;
+  try {
+    const Config config = parse_config({reinterpret_cast<const char*>(bytes), count}, "c.toml", problems);
+    EXPECTS(config.camera.rate_hz >= 0.1 && config.camera.rate_hz <= 1000 && config.modbus_tcp.port > 0);
+    EXPECTS(config.landmark.centre_diameter_mm > config.landmark.dot_diameter_mm);
+  } catch (const StartupError& error) {
+    const std::string line = error.what();
+    EXPECTS(line.starts_with("c.toml:") && line.find('\n') == std::string::npos && line[7] >= '0' && line[7] <= '9');
+  }
+  return 0;
+}

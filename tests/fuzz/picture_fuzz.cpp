@@ -1,0 +1,22 @@
+// PNG, PNM and JPEG: the size from the header, then the whole picture into exactly as much memory as that size asks
+// for.
+#include <vector>
+
+#include "base/contract.h"
+#include "drivers/capture/picture_file.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t count) {
+  using namespace ninedot;
+  const std::span<const std::uint8_t> file(bytes, count);
+  const Result<PictureSize> size = read_picture_size(file);
+  if (!size || size->pixel_count() > 1U << 20U) return 0;
+  std::vector<std::uint8_t> luma(size->pixel_count()), rgb(3 * size->pixel_count());
+  PictureDecoder decoder(*size);
+  const bool decoded = decoder.decode(file, luma, rgb).has_value();
+  EXPECTS(decoder.decode(file, luma).has_value() == decoded);  // the colour wanted or not, the answer is the same
+
+  PictureDecoder other({size->width_px + 1, size->height_px});
+  luma.resize(luma.size() + static_cast<std::size_t>(size->height_px));
+  EXPECTS(!other.decode(file, luma));
+  return 0;
+}
