@@ -87,9 +87,9 @@ void add_timed_frames(const std::string& csv, const Pictures& pictures, Recordin
         picture != pictures.end() ? picture->second : missing_picture(index.path, row.frame, pictures), 0});
   }
   if (found == pictures.size()) return;
-  for (const auto& [number, file] : pictures)
-    if (std::none_of(rows->begin(), rows->end(), [&](const FramesCsvRow& row) { return row.frame == number; }))
-      refuse(fmt::format("{}: picture {} is not listed; add its row or remove the picture", csv, file));
+  for (const Pictures::value_type& picture : pictures)
+    if (std::none_of(rows->begin(), rows->end(), [&](const FramesCsvRow& row) { return row.frame == picture.first; }))
+      refuse(fmt::format("{}: picture {} is not listed; add its row or remove the picture", csv, picture.second));
 }
 
 void add_untimed_frames(const Pictures& pictures, RecordingIndex& index) {
