@@ -10,6 +10,7 @@
 #include "detect/homography.h"
 #include "detect/hypothesis.h"
 #include "detect/verify.h"
+#include "geometry/planar_pose.h"
 
 // picture -> blobs -> hypotheses -> the one that the grey levels confirm best -> numbered dots.
 // The founding paper votes for ellipses in a Hough space; blobs by a local threshold need no votes, no parameter of size,
@@ -20,6 +21,8 @@ namespace {
 
 /// Blobs know nothing of the landmark: what is hidden, spoiled or at the picture's edge is told by the outlines.
 constexpr float kWholeOutline = 0.9F;
+constexpr float kLargeOutline = 0.97F;
+constexpr float kLargeDot_px2 = 60;
 
 struct Window {
   int x = 0, y = 0, width = 0, height = 0;
@@ -42,7 +45,8 @@ struct Detector::Workspace {
   Verification verify(const ImageView& luma, const Hypothesis& hypothesis) const noexcept;
   bool best_hypothesis(const ImageView& luma, Verification& verification) noexcept;
   Result<LandmarkObservation> observe(const Verification& verification) noexcept;
-  void number_dots(LandmarkObservation& seen) const noexcept;
+  bool is_cut(std::size_t dot, const Blob& blob) const noexcept;
+  void number_dots(std::span<const PlanePoint> points, LandmarkObservation& seen) const noexcept;
 
   CameraModel camera;
   LandmarkGeometry landmark;
@@ -105,16 +109,27 @@ bool Detector::Workspace::best_hypothesis(const ImageView& luma, Verification& v
   return any;
 }
 
+/// A dot that something hides in part has an outline all around all the same, but it is smaller than the others say.
+bool Detector::Workspace::is_cut(std::size_t dot, const Blob& blob) const noexcept {
+  const double radius_m = landmark.radius_m(dot);
+  const double whole_px2 =
+      std::numbers::pi * radius_m * radius_m * jacobian_of_map(best.H_px_plane, landmark.centre_m(dot)).determinant();
+  // A tenth, and a threshold that is off by a tenth of a pixel all around.
+  return static_cast<double>(blob.area_px2) < whole_px2 * (0.9 - 1.0 / std::sqrt(whole_px2));
+}
+
 Result<LandmarkObservation> Detector::Workspace::observe(const Verification& verification) noexcept {
   LandmarkObservation seen;
   std::array<PlaneMatch, kDotCount> matches;
+  InlineVector<PlanePoint, kDotCount> points;
   std::size_t count = 0;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     DotObservation& d = seen.dots[dot];
     d.visible_fraction = verification.visible_fraction[dot];
     if (best.blob[dot] < 0) continue;
     const Blob& blob = blobs[static_cast<std::size_t>(best.blob[dot])];
-    d.seen = d.visible_fraction >= kWholeOutline;
+    // Of sixteen directions a small dot may lose one to noise; a larger one that lacks one is cut by something.
+    d.seen = d.visible_fraction >= (blob.area_px2 > kLargeDot_px2 ? kLargeOutline : kWholeOutline) && !is_cut(dot, blob);
     d.centroid_px = {blob.x_px, blob.y_px};
     const double mean = 0.5 * (static_cast<double>(blob.xx_px2) + blob.yy_px2);
     const double half = 0.5 * (static_cast<double>(blob.xx_px2) - blob.yy_px2);
@@ -126,28 +141,39 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Verification& ver
     const auto ray = camera.normalised_from_pixel(d.centroid_px);
     if (!ray) return tl::unexpected<Error>(ray.error());
     matches[count++] = {landmark.centre_m(dot), *ray};
+    (void)points.try_push_back({landmark.centre_m(dot), *ray});
   }
   if (!fit_homography(std::span(matches).first(count), seen.H_ray_plane))
     return fail(Errc::kPoseDegenerate, "the visible dots lie on a line");
-  number_dots(seen);
+  number_dots(points.span(), seen);
   return seen;
 }
 
-/// The ring looks the same after an eighth of a turn. P1 is the dot that makes the camera's roll come closest to the
-/// expected one: seen upright from in front that is the lowest dot, and it stays right from diagonally above, where the
-/// dot lowest in the picture is a neighbour. The price: seen at 75 degrees from aside, neighbours are 15 degrees of roll
-/// apart, so the camera must be level within 7. (Elevation would tell them apart, but a distant landmark's is unknown.)
-void Detector::Workspace::number_dots(LandmarkObservation& seen) const noexcept {
-  const Eigen::Vector3d X = seen.H_ray_plane.col(0);
-  const Eigen::Vector3d Z = seen.H_ray_plane.col(1);
+/// The ring looks the same after an eighth of a turn: eight numberings, each of which makes another camera. A camera stands
+/// upright (but for the expected roll) and not far above or below the landmark, so P1 is the dot that needs the least roll
+/// and elevation together: seen from in front the lowest dot. From diagonally above the lowest dot may be a neighbour, and
+/// roll tells them apart; from 75 degrees aside neighbours differ by 15 degrees of roll, but by 40 of elevation.
+void Detector::Workspace::number_dots(std::span<const PlanePoint> points, LandmarkObservation& seen) const noexcept {
+  constexpr double kRollSigma_rad = 14 * std::numbers::pi / 180;       // hand-levelled mounts, uneven floors
+  constexpr double kElevationSigma_rad = 50 * std::numbers::pi / 180;  // weak: cameras hang under ceilings too
+  // The rigid pose, because a distant landmark's homography has eight unknowns of which two are noise.
+  Eigen::Vector3d X = seen.H_ray_plane.col(0).normalized();
+  Eigen::Vector3d Z = seen.H_ray_plane.col(1).normalized();
+  Eigen::Vector3d to_camera = -seen.H_ray_plane.col(2).normalized();
+  if (const auto poses = solve_planar_pose(points)) {
+    X = poses->front().T_camera_landmark.rotation.col(0);
+    Z = poses->front().T_camera_landmark.rotation.col(2);
+    to_camera = -poses->front().T_camera_landmark.translation_m.normalized();
+  }
   std::size_t lowest = 0;
-  double smallest_rad = 1e9;
+  double least = 1e9;
   for (std::size_t k = 0; k < kRingDotCount; ++k) {
     const Eigen::Vector2d towards = landmark.centre_m(k).normalized();
     const Eigen::Vector3d up = -(towards.x() * X + towards.y() * Z);
-    const double roll_rad = std::atan2(up.x(), -up.y()) - options.expected_roll_rad;
-    const double off_rad = std::abs(std::remainder(roll_rad, 2 * std::numbers::pi));
-    if (off_rad < smallest_rad) smallest_rad = off_rad, lowest = k;
+    const double roll_rad = std::remainder(std::atan2(up.x(), -up.y()) - options.expected_roll_rad, 2 * std::numbers::pi);
+    const double elevation_rad = std::asin(std::clamp(up.dot(to_camera), -1.0, 1.0));
+    const double cost = std::pow(roll_rad / kRollSigma_rad, 2) + std::pow(elevation_rad / kElevationSigma_rad, 2);
+    if (cost < least) least = cost, lowest = k;
   }
   if (lowest == 0) return;
   const auto dots = seen.dots;
