@@ -18,7 +18,7 @@ enum class Reason : std::uint16_t {
   kFrameSize = 5,        ///< the frame's size is not the calibration's
   kFrameUnreadable = 6,  ///< the picture could not be read
   kStopped = 7,          ///< the source is over (a recording that does not loop)
-  kStale = 8,            ///< the newest report is valid but too old; set where a report is read, never by the frame loop
+  kStale = 8,  ///< the newest report is valid but too old; set where a report is read, never by the frame loop
 };
 
 /// Which solver answered.
@@ -34,12 +34,12 @@ struct ReportPose {
 /// One frame's outcome. While nothing is found the pose, its covariance and `exposed_at` stay those of the last valid
 /// one, and `valid` is false: a stale pose never looks fresh.
 struct Report {
-  std::uint32_t heartbeat = 0;        ///< +1 per processed frame, found or not
-  std::uint32_t pose_sequence = 0;    ///< +1 per valid pose
-  std::uint64_t frame_number = 0;     ///< of the frame this report is about
-  MonoTime exposed_at{};              ///< middle of the exposure of the frame that the POSE is from; 0 = never
-  MonoTime published_at{};            ///< when the frame loop published this report
-  std::chrono::nanoseconds latency{}; ///< capture (mid-exposure) to publish of the last processed frame
+  std::uint32_t heartbeat = 0;              ///< +1 per processed frame, found or not
+  std::uint32_t pose_sequence = 0;          ///< +1 per valid pose
+  std::uint64_t frame_number = 0;           ///< of the frame this report is about
+  MonoTime exposed_at{};                    ///< middle of the exposure of the frame that the POSE is from; 0 = never
+  MonoTime published_at{};                  ///< when the frame loop published this report
+  std::chrono::nanoseconds latency{};       ///< capture (mid-exposure) to publish of the last processed frame
   std::chrono::nanoseconds process_time{};  ///< detection and pose alone
 
   bool valid = false;       ///< pose is of this very frame and usable
@@ -74,14 +74,14 @@ static_assert(std::is_trivially_copyable_v<Report>);
 /// How the service is doing; published beside the reports, about once a second and at every change.
 struct Health {
   MonoTime started_at{};
-  double frame_rate_hz = 0;            ///< processed frames per second, over the last second
+  double frame_rate_hz = 0;  ///< processed frames per second, over the last second
   std::uint32_t frames_processed = 0;
-  std::uint32_t frames_dropped = 0;    ///< lost between the sensor and the frame loop
-  std::uint32_t frames_failed = 0;     ///< arrived, but unreadable or of a wrong size
+  std::uint32_t frames_dropped = 0;  ///< lost between the sensor and the frame loop
+  std::uint32_t frames_failed = 0;   ///< arrived, but unreadable or of a wrong size
   std::uint32_t camera_restarts = 0;
   std::chrono::nanoseconds latency_median{}, latency_p99{}, latency_p999{}, latency_max{};
-  double temperature_degC = 0;         ///< of the board, NaN where unknown
-  bool realtime = false;               ///< the frame loop runs under SCHED_FIFO
+  double temperature_degC = 0;  ///< of the board, NaN where unknown
+  bool realtime = false;        ///< the frame loop runs under SCHED_FIFO
   bool memory_locked = false;
 };
 static_assert(std::is_trivially_copyable_v<Health>);

@@ -9,39 +9,39 @@ namespace ninedot {
 
 /// [camera]
 struct CameraConfig {
-  std::string source = "recording";    ///< `source`: libcamera | v4l2 | recording | simulated
-  std::string device;                  ///< `device`: v4l2 path, libcamera id, or the recording's folder or .y4m file
-  int width_px = 640;                  ///< `width_px`: 16..8192
-  int height_px = 480;                 ///< `height_px`: 16..8192
-  double rate_hz = 35.0;               ///< `rate_hz`: 0.1..1000; frames per second asked of the camera, or of the recording
-  std::string pixel_format = "auto";   ///< `pixel_format`: auto, GREY, Y10, YUYV, NV12, ...
-  double exposure_us = 0;              ///< `exposure_us`: 0 = automatic .. 1e6
-  double gain = 0.0;                   ///< `gain`: 0 = automatic .. 1000
-  std::string calibration;             ///< `calibration`: camera.yaml; empty = the recording's own
-  bool loop = true;                    ///< `loop`: a recording starts again at its end
+  std::string source = "recording";  ///< `source`: libcamera | v4l2 | recording | simulated
+  std::string device;                ///< `device`: v4l2 path, libcamera id, or the recording's folder or .y4m file
+  int width_px = 640;                ///< `width_px`: 16..8192
+  int height_px = 480;               ///< `height_px`: 16..8192
+  double rate_hz = 35.0;  ///< `rate_hz`: 0.1..1000; frames per second asked of the camera, or of the recording
+  std::string pixel_format = "auto";  ///< `pixel_format`: auto, GREY, Y10, YUYV, NV12, ...
+  double exposure_us = 0;             ///< `exposure_us`: 0 = automatic .. 1e6
+  double gain = 0.0;                  ///< `gain`: 0 = automatic .. 1000
+  std::string calibration;            ///< `calibration`: camera.yaml; empty = the recording's own
+  bool loop = true;                   ///< `loop`: a recording starts again at its end
 };
 
 /// [landmark]: the geometry that all landmarks share
 struct LandmarkConfig {
-  double ring_radius_mm = 80.0;        ///< `ring_radius_mm`: > 0, at most 10000
-  double dot_diameter_mm = 25.4;       ///< `dot_diameter_mm`: > 0, dots must not touch
-  double centre_diameter_mm = 50.8;    ///< `centre_diameter_mm`: > 0
-  double expected_roll_deg = 0.0;      ///< `expected_roll_deg`: -180..180; roll of the camera at which P1 is the lowest dot
+  double ring_radius_mm = 80.0;      ///< `ring_radius_mm`: > 0, at most 10000
+  double dot_diameter_mm = 25.4;     ///< `dot_diameter_mm`: > 0, dots must not touch
+  double centre_diameter_mm = 50.8;  ///< `centre_diameter_mm`: > 0
+  double expected_roll_deg = 0.0;  ///< `expected_roll_deg`: -180..180; roll of the camera at which P1 is the lowest dot
 };
 
 /// [[landmarks]]: the map; none = one black-and-white landmark, id 0, at the world's origin
 struct MapLandmarkConfig {
-  int id = 0;                          ///< `id`: 0..65535, unique
-  std::string code;                    ///< `code`: eight of K R G B, P1..P8; empty = black and white
-  double x_mm = 0, y_mm = 0, z_mm = 0; ///< `position_mm = [x, y, z]`
-  double heading_deg = 0.0;            ///< `heading_deg`: about the world's Z
+  int id = 0;                           ///< `id`: 0..65535, unique
+  std::string code;                     ///< `code`: eight of K R G B, P1..P8; empty = black and white
+  double x_mm = 0, y_mm = 0, z_mm = 0;  ///< `position_mm = [x, y, z]`
+  double heading_deg = 0.0;             ///< `heading_deg`: about the world's Z
 };
 
 /// [pose]
 struct PoseConfig {
-  std::string solver = "full";         ///< `solver`: full | ellipse
-  bool tracking = true;                ///< `tracking`: look where the landmark was before searching the whole picture
-  double max_ambiguity = 0.7;          ///< `max_ambiguity`: 0..1; above, the status bit `ambiguous` is set
+  std::string solver = "full";  ///< `solver`: full | ellipse
+  bool tracking = true;         ///< `tracking`: look where the landmark was before searching the whole picture
+  double max_ambiguity = 0.7;   ///< `max_ambiguity`: 0..1; above, the status bit `ambiguous` is set
 };
 
 /// [pose.ellipse]: what the founding paper calibrates
@@ -51,40 +51,40 @@ struct EllipseConfig {
 
 /// [pan_tilt]
 struct PanTiltConfig {
-  std::string driver = "none";         ///< `driver`: none | sysfs-pwm | gpio | visca | simulated
+  std::string driver = "none";  ///< `driver`: none | sysfs-pwm | gpio | visca | simulated
 };
 
 /// [modbus]
 struct ModbusConfig {
   double position_scale_16bit_mm = 0.5;  ///< `position_scale_16bit_mm`: 0.01..100; one step of the 16-bit x, y, z
   std::string float_word_order = "high-first";  ///< `float_word_order`: high-first | low-first
-  bool allow_writes = false;             ///< `allow_writes`: commands by function codes 06 and 16
-  std::uint32_t hold_ms = 500;           ///< `hold_ms`: 10..10000; HOLD releases itself after this time
+  bool allow_writes = false;                    ///< `allow_writes`: commands by function codes 06 and 16
+  std::uint32_t hold_ms = 500;                  ///< `hold_ms`: 10..10000; HOLD releases itself after this time
 };
 
 /// [modbus.tcp]
 struct ModbusTcpConfig {
-  bool enabled = false;                ///< true when the table is present
-  std::string listen = "127.0.0.1";    ///< `listen`: IPv4 or IPv6 address
-  std::uint16_t port = 1502;           ///< `port`: 1..65535
-  int max_clients = 16;                ///< `max_clients`: 1..64
-  double idle_timeout_s = 60;          ///< `idle_timeout_s`: 1..86400; a connection without a request is closed
-  std::vector<std::string> allow;      ///< `allow`: addresses that may connect; empty = all
+  bool enabled = false;              ///< true when the table is present
+  std::string listen = "127.0.0.1";  ///< `listen`: IPv4 or IPv6 address
+  std::uint16_t port = 1502;         ///< `port`: 1..65535
+  int max_clients = 16;              ///< `max_clients`: 1..64
+  double idle_timeout_s = 60;        ///< `idle_timeout_s`: 1..86400; a connection without a request is closed
+  std::vector<std::string> allow;    ///< `allow`: addresses that may connect; empty = all
 };
 
 /// [modbus.rtu]
 struct ModbusRtuConfig {
-  bool enabled = false;                ///< true when the table is present
-  std::string device = "/dev/ttyS1";   ///< `device`
-  int baud = 115200;                   ///< `baud`: 1200..921600, a standard rate
-  char parity = 'E';                   ///< `parity`: N | E | O
-  int unit = 1;                        ///< `unit`: 1..247
+  bool enabled = false;               ///< true when the table is present
+  std::string device = "/dev/ttyS1";  ///< `device`
+  int baud = 115200;                  ///< `baud`: 1200..921600, a standard rate
+  char parity = 'E';                  ///< `parity`: N | E | O
+  int unit = 1;                       ///< `unit`: 1..247
 };
 
 /// [service]
 struct ServiceConfig {
-  int realtime_priority = 50;          ///< `realtime_priority`: 0 (off)..99, SCHED_FIFO of the frame loop
-  bool lock_memory = true;             ///< `lock_memory`: mlockall
+  int realtime_priority = 50;  ///< `realtime_priority`: 0 (off)..99, SCHED_FIFO of the frame loop
+  bool lock_memory = true;     ///< `lock_memory`: mlockall
 };
 
 struct Config {

@@ -10,5 +10,6 @@ namespace ninedot::detail {
 }
 }  // namespace ninedot::detail
 
-#define EXPECTS(condition) \
-  (static_cast<bool>(condition) ? static_cast<void>(0) : ::ninedot::detail::contract_broken(#condition, __FILE__, __LINE__))
+#define EXPECTS(condition)                             \
+  (static_cast<bool>(condition) ? static_cast<void>(0) \
+                                : ::ninedot::detail::contract_broken(#condition, __FILE__, __LINE__))

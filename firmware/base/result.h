@@ -37,8 +37,8 @@ inline tl::unexpected<Error> fail(Errc code, const char* text, int os_errno = 0)
 
 /// `NINEDOT_TRY(const Dots dots, find_dots(image));` declares `dots`, or returns the error from the enclosing function.
 #define NINEDOT_TRY(declaration, expression) NINEDOT_TRY_(declaration, expression, NINEDOT_CONCAT(result_, __LINE__))
-#define NINEDOT_TRY_(declaration, expression, result) \
-  auto result = (expression);                         \
+#define NINEDOT_TRY_(declaration, expression, result)                   \
+  auto result = (expression);                                           \
   if (!result) return tl::unexpected<::ninedot::Error>(result.error()); \
   declaration = *std::move(result)
 #define NINEDOT_CONCAT(a, b) NINEDOT_CONCAT_(a, b)

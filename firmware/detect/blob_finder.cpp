@@ -8,18 +8,18 @@
 
 #include "base/contract.h"
 
-// Every level of the pyramid finds spots of 2 to about 20 of its own pixels with one small square; a dot of 130 px is a dot of
-// 16 px three levels up, where the noise is an eighth. Spots become runs, runs become components by union-find, and
-// components that fill the ellipse of their own moments become blobs.
+// Every level of the pyramid finds spots of 2 to about 20 of its own pixels with one small square; a dot of 130 px is a
+// dot of 16 px three levels up, where the noise is an eighth. Spots become runs, runs become components by union-find,
+// and components that fill the ellipse of their own moments become blobs.
 
 namespace ninedot {
 namespace {
 
-constexpr int kMinArea_px2 = 2;           // a dot of 2.6 px diameter, blurred, may leave no more at the half level
-constexpr int kMaxSide_px = 60;           // of a component at its level; larger ones are better seen a level up
+constexpr int kMinArea_px2 = 2;             // a dot of 2.6 px diameter, blurred, may leave no more at the half level
+constexpr int kMaxSide_px = 60;             // of a component at its level; larger ones are better seen a level up
 constexpr int kGreyMomentsBelow_px2 = 120;  // moments of grey levels are worth their time for small blobs only
-constexpr int kMinContrast_lsb = 10;      // a dot that differs less from its paper is not measurable
-constexpr double kContrastPerNoise = 4.0;  // of the half-size picture's threshold: 4 sigma of the level's noise
+constexpr int kMinContrast_lsb = 10;        // a dot that differs less from its paper is not measurable
+constexpr double kContrastPerNoise = 4.0;   // of the half-size picture's threshold: 4 sigma of the level's noise
 
 /// Rejects what does not fill its own moments' ellipse: area / (4 pi sqrt(det M)) is 1 for every ellipse, 0.95 for a
 /// square, and falls for rings, crosses and crescents. Small blobs are ragged; large ones measured 0.97 .. 1.03.
@@ -128,7 +128,8 @@ void BlobFinder::label_components() noexcept {
     for (std::int32_t here = row_start_[y]; here < row_start_[y + 1]; ++here) {
       const Run run = runs_[static_cast<std::size_t>(here)];
       while (above < above_end && runs_[static_cast<std::size_t>(above)].end < run.begin) ++above;
-      for (std::int32_t other = above; other < above_end && runs_[static_cast<std::size_t>(other)].begin <= run.end; ++other) {
+      for (std::int32_t other = above; other < above_end && runs_[static_cast<std::size_t>(other)].begin <= run.end;
+           ++other) {
         const std::int32_t a = root(here);
         const std::int32_t b = root(other);
         if (a < b) runs_[static_cast<std::size_t>(b)].component = a;
@@ -144,7 +145,8 @@ void BlobFinder::label_components() noexcept {
       // From here on `component` is an index into components_, written as its complement so that it can't be mistaken.
       if (run.component == i) {
         run.component = ~static_cast<std::int32_t>(component_count_);
-        components_[component_count_++] = Component{0, 0, 0, 0, 0, 0, run.begin, run.end, static_cast<std::int16_t>(y), 0};
+        components_[component_count_++] =
+            Component{0, 0, 0, 0, 0, 0, run.begin, run.end, static_cast<std::int16_t>(y), 0};
       } else {
         std::int32_t parent = run.component;
         while (parent >= 0) parent = runs_[static_cast<std::size_t>(parent)].component;
@@ -177,7 +179,8 @@ struct Moments {
 };
 
 /// Moments weighted by darkness, over the box and two pixels around it. The paper's level is the mean of the box's rim.
-bool grey_moments(const ImageView& picture, int min_x, int max_x, int min_y, int max_y, double noise_lsb, Moments& m) noexcept {
+bool grey_moments(const ImageView& picture, int min_x, int max_x, int min_y, int max_y, double noise_lsb,
+                  Moments& m) noexcept {
   const int x0 = std::max(min_x - 2, 0), x1 = std::min(max_x + 2, picture.width_px);
   const int y0 = std::max(min_y - 2, 0), y1 = std::min(max_y + 3, picture.height_px);
   double rim = 0;
@@ -229,8 +232,8 @@ void BlobFinder::collect(const ImageView& picture, int level, double noise_lsb, 
       Moments grey;
       if (!grey_moments(picture, c.min_x, c.max_x, c.min_y, c.max_y, noise_lsb, grey)) continue;
       // A neighbour that reaches into the box spoils grey moments; then the outline's own are the better ones.
-      const bool agrees = std::hypot(grey.x - m.x, grey.y - m.y) < 0.25 * std::sqrt(area) &&
-                          grey.xx < 2.0 * m.xx + 1 && grey.yy < 2.0 * m.yy + 1;
+      const bool agrees = std::hypot(grey.x - m.x, grey.y - m.y) < 0.25 * std::sqrt(area) && grey.xx < 2.0 * m.xx + 1 &&
+                          grey.yy < 2.0 * m.yy + 1;
       if (agrees) grey.area = m.area, m = grey;
     }
     const Blob blob{static_cast<float>((m.x + 0.5) * scale - 0.5),

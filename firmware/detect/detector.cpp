@@ -13,8 +13,8 @@
 #include "geometry/planar_pose.h"
 
 // picture -> blobs -> hypotheses -> the one that the grey levels confirm best -> numbered dots.
-// The founding paper votes for ellipses in a Hough space; blobs by a local threshold need no votes, no parameter of size,
-// and a hundredth of the time, and a shadow's edge across the sheet leaves them whole (measured: docs/method.md).
+// The founding paper votes for ellipses in a Hough space; blobs by a local threshold need no votes, no parameter of
+// size, and a hundredth of the time, and a shadow's edge across the sheet leaves them whole (measured: docs/method.md).
 
 namespace ninedot {
 namespace {
@@ -35,7 +35,8 @@ ImageView cut(const ImageView& luma, const Window& w) noexcept {
 }  // namespace
 
 struct Detector::Workspace {
-  Workspace(const CameraModel& camera_model, const LandmarkGeometry& landmark_geometry, const DetectorOptions& detector_options)
+  Workspace(const CameraModel& camera_model, const LandmarkGeometry& landmark_geometry,
+            const DetectorOptions& detector_options)
       : camera(camera_model),
         landmark(landmark_geometry),
         options(detector_options),
@@ -55,7 +56,7 @@ struct Detector::Workspace {
   BlobList blobs;
   HypothesisList hypotheses;
   Hypothesis best;
-  Window window;              ///< of the search under way
+  Window window;  ///< of the search under way
   BlobFinder::Levels levels;
 };
 
@@ -114,8 +115,8 @@ bool Detector::Workspace::is_cut(std::size_t dot, const Blob& blob) const noexce
   const double radius_m = landmark.radius_m(dot);
   const double whole_px2 =
       std::numbers::pi * radius_m * radius_m * jacobian_of_map(best.H_px_plane, landmark.centre_m(dot)).determinant();
-  // A tenth, and a threshold that is off by a tenth of a pixel all around.
-  return static_cast<double>(blob.area_px2) < whole_px2 * (0.9 - 1.0 / std::sqrt(whole_px2));
+  // 7 %, and a threshold that is off by a tenth of a pixel all around.
+  return static_cast<double>(blob.area_px2) < whole_px2 * (0.93 - 0.8 / std::sqrt(whole_px2));
 }
 
 Result<LandmarkObservation> Detector::Workspace::observe(const Verification& verification) noexcept {
@@ -129,7 +130,8 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Verification& ver
     if (best.blob[dot] < 0) continue;
     const Blob& blob = blobs[static_cast<std::size_t>(best.blob[dot])];
     // Of sixteen directions a small dot may lose one to noise; a larger one that lacks one is cut by something.
-    d.seen = d.visible_fraction >= (blob.area_px2 > kLargeDot_px2 ? kLargeOutline : kWholeOutline) && !is_cut(dot, blob);
+    d.seen =
+        d.visible_fraction >= (blob.area_px2 > kLargeDot_px2 ? kLargeOutline : kWholeOutline) && !is_cut(dot, blob);
     d.centroid_px = {blob.x_px, blob.y_px};
     const double mean = 0.5 * (static_cast<double>(blob.xx_px2) + blob.yy_px2);
     const double half = 0.5 * (static_cast<double>(blob.xx_px2) - blob.yy_px2);
@@ -149,10 +151,11 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Verification& ver
   return seen;
 }
 
-/// The ring looks the same after an eighth of a turn: eight numberings, each of which makes another camera. A camera stands
-/// upright (but for the expected roll) and not far above or below the landmark, so P1 is the dot that needs the least roll
-/// and elevation together: seen from in front the lowest dot. From diagonally above the lowest dot may be a neighbour, and
-/// roll tells them apart; from 75 degrees aside neighbours differ by 15 degrees of roll, but by 40 of elevation.
+/// The ring looks the same after an eighth of a turn: eight numberings, each of which makes another camera. A camera
+/// stands upright (but for the expected roll) and not far above or below the landmark, so P1 is the dot that needs the
+/// least roll and elevation together: seen from in front the lowest dot. From diagonally above the lowest dot may be a
+/// neighbour, and roll tells them apart; from 75 degrees aside neighbours differ by 15 degrees of roll, but by 40 of
+/// elevation.
 void Detector::Workspace::number_dots(std::span<const PlanePoint> points, LandmarkObservation& seen) const noexcept {
   constexpr double kRollSigma_rad = 14 * std::numbers::pi / 180;       // hand-levelled mounts, uneven floors
   constexpr double kElevationSigma_rad = 50 * std::numbers::pi / 180;  // weak: cameras hang under ceilings too
@@ -170,7 +173,8 @@ void Detector::Workspace::number_dots(std::span<const PlanePoint> points, Landma
   for (std::size_t k = 0; k < kRingDotCount; ++k) {
     const Eigen::Vector2d towards = landmark.centre_m(k).normalized();
     const Eigen::Vector3d up = -(towards.x() * X + towards.y() * Z);
-    const double roll_rad = std::remainder(std::atan2(up.x(), -up.y()) - options.expected_roll_rad, 2 * std::numbers::pi);
+    const double roll_rad =
+        std::remainder(std::atan2(up.x(), -up.y()) - options.expected_roll_rad, 2 * std::numbers::pi);
     const double elevation_rad = std::asin(std::clamp(up.dot(to_camera), -1.0, 1.0));
     const double cost = std::pow(roll_rad / kRollSigma_rad, 2) + std::pow(elevation_rad / kElevationSigma_rad, 2);
     if (cost < least) least = cost, lowest = k;
@@ -180,7 +184,8 @@ void Detector::Workspace::number_dots(std::span<const PlanePoint> points, Landma
   for (std::size_t k = 0; k < kRingDotCount; ++k) seen.dots[k] = dots[(k + lowest) % kRingDotCount];
   // New coordinates X' of the same point: old = turn * new, where turn carries P1 to where dot `lowest` was.
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(static_cast<double>(lowest) * std::numbers::pi / 4).toRotationMatrix();
+  turn.topLeftCorner<2, 2>() =
+      Eigen::Rotation2Dd(static_cast<double>(lowest) * std::numbers::pi / 4).toRotationMatrix();
   seen.H_ray_plane = seen.H_ray_plane * turn;
 }
 
@@ -196,7 +201,8 @@ Result<LandmarkObservation> Detector::find_landmark(const ImageView& luma) noexc
   return workspace_->find(luma, {0, 0, luma.width_px, luma.height_px}, {});
 }
 
-Result<LandmarkObservation> Detector::find_landmark_near(const ImageView& luma, const LandmarkObservation& predicted) noexcept {
+Result<LandmarkObservation> Detector::find_landmark_near(const ImageView& luma,
+                                                         const LandmarkObservation& predicted) noexcept {
   const CameraModel& camera = workspace_->camera;
   const LandmarkGeometry& landmark = workspace_->landmark;
   if (luma.width_px != camera.width_px || luma.height_px != camera.height_px)
@@ -207,15 +213,20 @@ Result<LandmarkObservation> Detector::find_landmark_near(const ImageView& luma, 
   const double reach_m = landmark.ring_radius_m + landmark.dot_radius_m;
   for (int i = 0; i < 16; ++i) {
     const double a_rad = i * std::numbers::pi / 8;
-    const Eigen::Vector2d ray = map_point(predicted.H_ray_plane, reach_m * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad)));
+    const Eigen::Vector2d ray =
+        map_point(predicted.H_ray_plane, reach_m * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad)));
     const Eigen::Vector2d px = camera.pixel_from_normalised(ray);
     low = low.cwiseMin(px), high = high.cwiseMax(px);
   }
-  constexpr double kMargin = 0.3;   // of the box, on every side
+  constexpr double kMargin = 0.3;  // of the box, on every side
   constexpr double kLeastMargin_px = 12;
   const Eigen::Vector2d margin = (kMargin * (high - low)).cwiseMax(kLeastMargin_px);
-  const auto clamp_x = [&](double x) { return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(luma.width_px))); };
-  const auto clamp_y = [&](double y) { return static_cast<int>(std::clamp(y, 0.0, static_cast<double>(luma.height_px))); };
+  const auto clamp_x = [&](double x) {
+    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(luma.width_px)));
+  };
+  const auto clamp_y = [&](double y) {
+    return static_cast<int>(std::clamp(y, 0.0, static_cast<double>(luma.height_px)));
+  };
   const int x0 = clamp_x(low.x() - margin.x()), x1 = clamp_x(high.x() + margin.x() + 1);
   const int y0 = clamp_y(low.y() - margin.y()), y1 = clamp_y(high.y() + margin.y() + 1);
   if (x1 - x0 < 16 || y1 - y0 < 16) return fail(Errc::kNoLandmark, "the landmark has left the picture");

@@ -8,8 +8,8 @@ namespace ninedot {
 
 /// A point of the sheet and where it was seen.
 struct PlaneMatch {
-  Eigen::Vector2d plane_m;   ///< (X0, Z0)
-  Eigen::Vector2d seen;      ///< px, or normalised ray: the homography maps into the same
+  Eigen::Vector2d plane_m;  ///< (X0, Z0)
+  Eigen::Vector2d seen;     ///< px, or normalised ray: the homography maps into the same
 };
 
 /// Where a sheet point is seen.

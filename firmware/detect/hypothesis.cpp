@@ -11,12 +11,13 @@ namespace ninedot {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSlot_rad = kPi / 4;          // between neighbours on the ring
+constexpr double kSlot_rad = kPi / 4;            // between neighbours on the ring
 constexpr double kSlotTolerance_rad = kPi / 16;  // a quarter of a slot: what perspective bends at 75 degrees and 0.5 m
-constexpr double kRadiusTolerance = 0.32;      // of the ring's radius against P9's, the same cause
-constexpr double kAreaTolerance = 2.2;         // factor; blur and perspective at small sizes
+constexpr double kRadiusTolerance = 0.32;        // of the ring's radius against P9's, the same cause
+constexpr double kAreaTolerance = 2.2;           // factor; blur and perspective at small sizes
 constexpr std::size_t kMaxNeighbours = 24;
-// Of small blobs, measured by grey levels: point spread (0.6 px)^2 and the pixel's own 1/12, in units of the level's pixels.
+// Of small blobs, measured by grey levels: point spread (0.6 px)^2 and the pixel's own 1/12, in units of the level's
+// pixels.
 constexpr float kBlur_px2 = 0.44F;
 constexpr float kSmallArea_px2 = 120;
 
@@ -75,7 +76,8 @@ void find_ring_around(const BlobList& blobs, std::size_t centre, const LandmarkG
   const double area_ratio = std::pow(landmark.dot_radius_m / landmark.centre_radius_m, 2);
   const auto ring = static_cast<float>(landmark.ring_radius_m / landmark.centre_radius_m);
   const float reach_px = c.semi_major_px() * ring * static_cast<float>(1 + kRadiusTolerance);
-  const auto [first, last] = area_range(blobs, c.area_px2 * area_ratio / kAreaTolerance, c.area_px2 * area_ratio * kAreaTolerance);
+  const auto [first, last] =
+      area_range(blobs, c.area_px2 * area_ratio / kAreaTolerance, c.area_px2 * area_ratio * kAreaTolerance);
   out.clear();
   for (std::size_t i = first; i < last; ++i) {
     if (std::abs(blobs[i].x_px - c.x_px) > reach_px || std::abs(blobs[i].y_px - c.y_px) > reach_px) continue;
@@ -86,7 +88,9 @@ void find_ring_around(const BlobList& blobs, std::size_t centre, const LandmarkG
   }
 }
 
-double wrap(double angle_rad, double period_rad) noexcept { return angle_rad - period_rad * std::round(angle_rad / period_rad); }
+double wrap(double angle_rad, double period_rad) noexcept {
+  return angle_rad - period_rad * std::round(angle_rad / period_rad);
+}
 
 /// Numbers the neighbours by eight-fold symmetry, the first fitting phase that most agree with. \return dots numbered
 int number_neighbours(const NeighbourList& neighbours, Hypothesis& hypothesis) noexcept {
@@ -100,7 +104,8 @@ int number_neighbours(const NeighbourList& neighbours, Hypothesis& hypothesis) n
       const double turn_rad = n.angle_rad - reference.angle_rad;
       const double off_rad = wrap(turn_rad, kSlot_rad);
       if (std::abs(off_rad) > kSlotTolerance_rad) continue;
-      const auto slot = static_cast<std::size_t>((static_cast<int>(std::lround((turn_rad - off_rad) / kSlot_rad)) + 16) % 8);
+      const auto slot =
+          static_cast<std::size_t>((static_cast<int>(std::lround((turn_rad - off_rad) / kSlot_rad)) + 16) % 8);
       const float c = std::abs(n.radius_error) + std::abs(static_cast<float>(off_rad));
       if (blob[slot] >= 0 && cost[slot] <= c) continue;
       if (blob[slot] < 0) ++count;
@@ -141,9 +146,11 @@ bool is_known(const HypothesisList& list, const Hypothesis& candidate) noexcept 
 
 void keep(const BlobList& blobs, const LandmarkGeometry& landmark, int min_matched, Hypothesis& hypothesis,
           HypothesisList& out) noexcept {
-  if (!attach_blobs(blobs, landmark, hypothesis) || hypothesis.matched < min_matched || is_known(out, hypothesis)) return;
+  if (!attach_blobs(blobs, landmark, hypothesis) || hypothesis.matched < min_matched || is_known(out, hypothesis))
+    return;
   if (out.try_push_back(hypothesis)) return;
-  Hypothesis* worst = std::min_element(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.matched < b.matched; });
+  Hypothesis* worst =
+      std::min_element(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.matched < b.matched; });
   if (worst->matched < hypothesis.matched) *worst = hypothesis;
 }
 
@@ -154,7 +161,8 @@ void sort_by_area(BlobList& blobs) noexcept {
 }
 
 bool attach_blobs(const BlobList& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis) noexcept {
-  // Generous while H rests on a guess; then what a fit to all dots leaves: a fifth of the radius, half a pixel for small ones.
+  // Generous while H rests on a guess; then what a fit to all dots leaves: a fifth of the radius, half a pixel for
+  // small ones.
   struct Tolerance {
     double reach, reach_px, area_factor;
   };
@@ -223,12 +231,14 @@ void guess_from_ring(const BlobList& blobs, const LandmarkGeometry& landmark, Hy
     const float reach_px = m.semi_major_px() * static_cast<float>(1.5 * spacing);
     const auto [first, last] = area_range(blobs, m.area_px2 / kAreaFactor, m.area_px2 * kAreaFactor);
     for (std::size_t i = first; i < last; ++i) {
-      if (i == middle || std::abs(blobs[i].x_px - m.x_px) > reach_px || std::abs(blobs[i].y_px - m.y_px) > reach_px) continue;
+      if (i == middle || std::abs(blobs[i].x_px - m.x_px) > reach_px || std::abs(blobs[i].y_px - m.y_px) > reach_px)
+        continue;
       const float distance = whiten(blobs[i].x_px, blobs[i].y_px).norm() / static_cast<float>(spacing);
       if (distance < 0.6F || distance > 1.5F) continue;
       const Near candidate{static_cast<std::int16_t>(i), std::abs(distance - 1)};
       if (near.try_push_back(candidate)) continue;
-      Near* worst = std::max_element(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.distance < b.distance; });
+      Near* worst = std::max_element(near.begin(), near.end(),
+                                     [](const Near& a, const Near& b) { return a.distance < b.distance; });
       if (candidate.distance < worst->distance) *worst = candidate;
     }
     for (const Near& before : near) {
@@ -242,7 +252,8 @@ void guess_from_ring(const BlobList& blobs, const LandmarkGeometry& landmark, Hy
         const double det = J.determinant();
         const double area_px2 = kPi * landmark.dot_radius_m * landmark.dot_radius_m * det;
         if (!(area_px2 > m.area_px2 / kAreaFactor && area_px2 < m.area_px2 * kAreaFactor)) continue;
-        if (shape_mismatch(m, J * J.transpose() * (landmark.dot_radius_m * landmark.dot_radius_m / 4)) > kAreaFactor) continue;
+        if (shape_mismatch(m, J * J.transpose() * (landmark.dot_radius_m * landmark.dot_radius_m / 4)) > kAreaFactor)
+          continue;
         Hypothesis hypothesis;
         hypothesis.H_px_plane.setIdentity();
         hypothesis.H_px_plane.topLeftCorner<2, 2>() = J;

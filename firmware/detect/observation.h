@@ -10,12 +10,12 @@ namespace ninedot {
 
 /// One dot in the picture. Coordinates in px of the (distorted) picture, pixel centres at integers.
 struct DotObservation {
-  bool seen = false;                    ///< enough of its outline is visible to be used
-  float visible_fraction = 0;           ///< of its outline, 0..1
-  Eigen::Vector2d centroid_px{0, 0};    ///< centroid of the dark area = centre of the projected disc's outline
-  double semi_major_px = 0;             ///< of the outline, point spread removed
+  bool seen = false;                  ///< enough of its outline is visible to be used
+  float visible_fraction = 0;         ///< of its outline, 0..1
+  Eigen::Vector2d centroid_px{0, 0};  ///< centroid of the dark area = centre of the projected disc's outline
+  double semi_major_px = 0;           ///< of the outline, point spread removed
   double semi_minor_px = 0;
-  double angle_rad = 0;                 ///< of the major axis, from +x towards +y, (-pi/2, pi/2]
+  double angle_rad = 0;  ///< of the major axis, from +x towards +y, (-pi/2, pi/2]
 };
 
 /// The landmark in one picture, dots numbered (index 0..7 = P1..P8, 8 = P9).

@@ -8,8 +8,8 @@
 
 #include "detect/homography.h"
 
-// Light changes across the sheet and shadows cut through it, so brightness is only ever compared with brightness close by:
-// outside against inside of one outline, in one direction. A shadow scales both by the same factor.
+// Light changes across the sheet and shadows cut through it, so brightness is only ever compared with brightness close
+// by: outside against inside of one outline, in one direction. A shadow scales both by the same factor.
 
 namespace ninedot {
 namespace {
@@ -17,12 +17,13 @@ namespace {
 constexpr int kDirections = 16;
 constexpr double kMinContrast_lsb = 5;
 constexpr double kContrastPerNoise = 3;  // below, sixteen directions in which it is brighter outside are no evidence
-constexpr double kMinShare = 0.35;     // of the landmark's typical contrast, scaled by the local light
-constexpr float kSeen = 0.75F;         // of an outline: the dot is there, whole
+constexpr double kMinShare = 0.35;       // of the landmark's typical contrast, scaled by the local light
+constexpr float kSeen = 0.75F;           // of an outline: the dot is there, whole
 constexpr float kFlawless = 0.94F;
-constexpr double kMinScoreOfThree = 4.9;  // three dots, two halves beside them and half of P9, which counts twice: half a sheet
-constexpr float kPartly = 0.30F;       // a dot that something hides in part
-constexpr double kMinPaper = 0.75;     // of the samples between the dots
+constexpr double kMinScoreOfThree =
+    4.9;                          // three dots, two halves beside them and half of P9, which counts twice: half a sheet
+constexpr float kPartly = 0.30F;  // a dot that something hides in part
+constexpr double kMinPaper = 0.75;  // of the samples between the dots
 
 struct Sides {
   bool inside_picture = false;
@@ -40,8 +41,8 @@ std::optional<double> sample(const ImageView& luma, const Eigen::Vector2d& px) n
 
 class Evidence {
  public:
-  Evidence(const ImageView& luma, const Eigen::Matrix3d& H, const LandmarkGeometry& landmark, const Hypothesis& hypothesis,
-           double noise_lsb) noexcept
+  Evidence(const ImageView& luma, const Eigen::Matrix3d& H, const LandmarkGeometry& landmark,
+           const Hypothesis& hypothesis, double noise_lsb) noexcept
       : luma_(luma), landmark_(landmark), hypothesis_(hypothesis), H_(H), noise_lsb_(noise_lsb) {
     for (std::size_t dot = 0; dot < kDotCount; ++dot) look_at_outline(dot);
     find_typical_contrast();
@@ -61,9 +62,11 @@ class Evidence {
     const float centre = v.visible_fraction[kCentreDot];
     // Three points fit any three dots of equal size: then everything else must be flawless.
     if (hypothesis_.matched <= 3 && (flawless < 3 || v.score < kMinScoreOfThree)) return v;
-    const bool enough = (centre >= kSeen && whole >= 3) || (centre >= kPartly && whole >= 3 && whole + partly >= 4) || whole >= 5;
-    v.accepted = enough && typical_lsb_ >= std::max(kMinContrast_lsb, kContrastPerNoise * noise_lsb_) && paper_is_blank() &&
-                 !centre_is_absent(centre) && isolated_holes(v) <= 1 && 2 * intruders(blobs) <= whole + (centre >= kSeen) - 3;
+    const bool enough =
+        (centre >= kSeen && whole >= 3) || (centre >= kPartly && whole >= 3 && whole + partly >= 4) || whole >= 5;
+    v.accepted = enough && typical_lsb_ >= std::max(kMinContrast_lsb, kContrastPerNoise * noise_lsb_) &&
+                 paper_is_blank() && !centre_is_absent(centre) && isolated_holes(v) <= 1 &&
+                 2 * intruders(blobs) <= whole + (centre >= kSeen) - 3;
     return v;
   }
 
@@ -114,7 +117,8 @@ class Evidence {
   }
 
   float visible_fraction(std::size_t dot) const noexcept {
-    const auto edges = std::count_if(sides_[dot].begin(), sides_[dot].end(), [this](const Sides& s) { return is_edge(s); });
+    const auto edges =
+        std::count_if(sides_[dot].begin(), sides_[dot].end(), [this](const Sides& s) { return is_edge(s); });
     return static_cast<float>(edges) / kDirections;
   }
 
@@ -126,7 +130,8 @@ class Evidence {
     return count > 0 ? sum / count : 0;
   }
 
-  /// Between P9 and the ring, and between neighbours of the ring, there is paper: brighter than the dots on either side.
+  /// Between P9 and the ring, and between neighbours of the ring, there is paper: brighter than the dots on either
+  /// side.
   bool paper_is_blank() const noexcept {
     int asked = 0, blank = 0;
     const auto ask = [&](const Eigen::Vector2d& plane_m, double ink_lsb) {
@@ -168,14 +173,16 @@ class Evidence {
     for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
       const Eigen::Vector2d towards = landmark_.centre_m(dot);
       const double a_rad = std::atan2(towards.y(), towards.x());
-      const auto d = static_cast<std::size_t>((static_cast<int>(std::lround(a_rad * kDirections / (2 * std::numbers::pi))) + kDirections) % kDirections);
-      contradictions += visible_fraction(dot) >= kSeen && sides_[kCentreDot][d].inside_picture && !is_edge(sides_[kCentreDot][d]);
+      const auto d = static_cast<std::size_t>(
+          (static_cast<int>(std::lround(a_rad * kDirections / (2 * std::numbers::pi))) + kDirections) % kDirections);
+      contradictions +=
+          visible_fraction(dot) >= kSeen && sides_[kCentreDot][d].inside_picture && !is_edge(sides_[kCentreDot][d]);
     }
     return contradictions >= 3;
   }
 
-  /// Stands out from all around by as much, in proportion to the light, as ink does: not a stain on something that hides
-  /// the sheet.
+  /// Stands out from all around by as much, in proportion to the light, as ink does: not a stain on something that
+  /// hides the sheet.
   bool is_ink_on_paper(const Eigen::Vector2d& plane_m) const noexcept {
     constexpr double kLikeInk = 0.75;
     constexpr int kAround = 8;
@@ -201,15 +208,17 @@ class Evidence {
       const Blob& blob = blobs[i];
       const Eigen::Vector2d plane_m = map_point(plane_from_px, Eigen::Vector2d(blob.x_px, blob.y_px));
       if (!(plane_m.norm() < reach_m)) continue;
-      const double area_px2 =
-          std::numbers::pi * landmark_.dot_radius_m * landmark_.dot_radius_m * jacobian_of_map(H, plane_m).determinant();
+      const double area_px2 = std::numbers::pi * landmark_.dot_radius_m * landmark_.dot_radius_m *
+                              jacobian_of_map(H, plane_m).determinant();
       if (blob.area_px2 < 0.4 * area_px2 || blob.area_px2 > 2.5 * area_px2) continue;
-      if (std::find(hypothesis_.blob.begin(), hypothesis_.blob.end(), static_cast<int>(i)) != hypothesis_.blob.end()) continue;
+      if (std::find(hypothesis_.blob.begin(), hypothesis_.blob.end(), static_cast<int>(i)) != hypothesis_.blob.end())
+        continue;
       if (!is_ink_on_paper(plane_m)) continue;
       // The same dot found a second time, or a part of it, is no intruder.
       bool on_a_dot = false;
       for (std::size_t dot = 0; dot < kDotCount; ++dot)
-        on_a_dot = on_a_dot || (visible_fraction(dot) >= kPartly && (plane_m - landmark_.centre_m(dot)).norm() < 0.7 * landmark_.radius_m(dot));
+        on_a_dot = on_a_dot || (visible_fraction(dot) >= kPartly &&
+                                (plane_m - landmark_.centre_m(dot)).norm() < 0.7 * landmark_.radius_m(dot));
       count += !on_a_dot;
     }
     return count;
@@ -236,8 +245,9 @@ class Evidence {
 
 }  // namespace
 
-Verification verify_landmark(const ImageView& luma, const Eigen::Matrix3d& plane_to_luma, const LandmarkGeometry& landmark,
-                             const BlobList& blobs, const Hypothesis& hypothesis, double noise_lsb) noexcept {
+Verification verify_landmark(const ImageView& luma, const Eigen::Matrix3d& plane_to_luma,
+                             const LandmarkGeometry& landmark, const BlobList& blobs, const Hypothesis& hypothesis,
+                             double noise_lsb) noexcept {
   return Evidence(luma, plane_to_luma, landmark, hypothesis, noise_lsb).judge(blobs);
 }
 

@@ -9,18 +9,18 @@ namespace ninedot {
 
 struct Verification {
   bool accepted = false;
-  double score = 0;                                  ///< to compare hypotheses: dots' worth of outline that is there
-  std::array<float, kDotCount> visible_fraction{};   ///< of each outline: dark inside, bright outside
+  double score = 0;                                 ///< to compare hypotheses: dots' worth of outline that is there
+  std::array<float, kDotCount> visible_fraction{};  ///< of each outline: dark inside, bright outside
 };
 
 /// Looks at both sides of all nine outlines, at the paper between the dots, and at whether what is missing is hidden
-/// (something else is there) or absent (blank paper is there: then it is a ring of other dots). Blobs of a dot's size where
-/// the sheet must be blank speak against it as well.
-/// \param luma  the picture, or a smaller one of less noise
+/// (something else is there) or absent (blank paper is there: then it is a ring of other dots). Blobs of a dot's size
+/// where the sheet must be blank speak against it as well. \param luma  the picture, or a smaller one of less noise
 /// \param plane_to_luma  the hypothesis's map, into the coordinates of `luma`
 /// \param noise_lsb  of `luma`
 /// Memory: none. Threads: pure.
-Verification verify_landmark(const ImageView& luma, const Eigen::Matrix3d& plane_to_luma, const LandmarkGeometry& landmark,
-                             const BlobList& blobs, const Hypothesis& hypothesis, double noise_lsb) noexcept;
+Verification verify_landmark(const ImageView& luma, const Eigen::Matrix3d& plane_to_luma,
+                             const LandmarkGeometry& landmark, const BlobList& blobs, const Hypothesis& hypothesis,
+                             double noise_lsb) noexcept;
 
 }  // namespace ninedot

@@ -27,7 +27,8 @@ struct CameraModel {
   Eigen::Vector2d distort(const Eigen::Vector2d& point, Eigen::Matrix2d* jacobian = nullptr) const noexcept;
 
   /// Pixel of a normalised point (z = 1).
-  Eigen::Vector2d pixel_from_normalised(const Eigen::Vector2d& point, Eigen::Matrix2d* jacobian = nullptr) const noexcept;
+  Eigen::Vector2d pixel_from_normalised(const Eigen::Vector2d& point,
+                                        Eigen::Matrix2d* jacobian = nullptr) const noexcept;
 
   /// Normalised point (z = 1) of a pixel: Newton's method on `distort`.
   /// \error kPoseDegenerate: the model has no inverse there (outside the lens's valid field).

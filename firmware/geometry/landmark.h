@@ -21,7 +21,8 @@ struct LandmarkGeometry {
   double radius_m(std::size_t dot) const noexcept { return dot == kCentreDot ? centre_radius_m : dot_radius_m; }
 
   /// Middle of a dot in the sheet's plane: (X0, Z0) [m], Y0 = 0.
-  /// Pk = R (sin a, -cos a) with a = 45 deg (k - 1): P1 lowest, clockwise as the viewer sees it (X0 points to his left).
+  /// Pk = R (sin a, -cos a) with a = 45 deg (k - 1): P1 lowest, clockwise as the viewer sees it (X0 points to his
+  /// left).
   Eigen::Vector2d centre_m(std::size_t dot) const noexcept {
     if (dot == kCentreDot) return Eigen::Vector2d::Zero();
     const double a_rad = static_cast<double>(dot) * std::numbers::pi / 4;

@@ -17,7 +17,9 @@ struct Transform {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();  ///< the origin of `From`, in `To` [m]
 
-  Eigen::Vector3d operator*(const Eigen::Vector3d& p_from_m) const noexcept { return rotation * p_from_m + translation_m; }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& p_from_m) const noexcept {
+    return rotation * p_from_m + translation_m;
+  }
 
   template <typename Other>
   Transform<To, Other> operator*(const Transform<From, Other>& T_from_other) const noexcept {

@@ -5,8 +5,8 @@
 
 #include "base/contract.h"
 
-// A maximum over n neighbours is a maximum over two overlapping maxima of n/2: log2(n) passes, whatever the picture says.
-// The loops are plain, without branches and on bytes, so that the compiler turns each into vector instructions.
+// A maximum over n neighbours is a maximum over two overlapping maxima of n/2: log2(n) passes, whatever the picture
+// says. The loops are plain, without branches and on bytes, so that the compiler turns each into vector instructions.
 
 namespace ninedot {
 namespace {
@@ -20,12 +20,12 @@ struct Minimum {
   std::uint8_t operator()(std::uint8_t a, std::uint8_t b) const noexcept { return a < b ? a : b; }
 };
 
-constexpr int kBefore = SpotThreshold::kSquare_px / 2;          // of the window, left of and above its pixel
+constexpr int kBefore = SpotThreshold::kSquare_px / 2;           // of the window, left of and above its pixel
 constexpr int kAfter = SpotThreshold::kSquare_px - kBefore - 1;  // right of and below it
 
 template <typename Pick>
-void combine(const std::uint8_t* __restrict a, const std::uint8_t* __restrict b, std::uint8_t* __restrict out, int count,
-             Pick pick) noexcept {
+void combine(const std::uint8_t* __restrict a, const std::uint8_t* __restrict b, std::uint8_t* __restrict out,
+             int count, Pick pick) noexcept {
   for (int i = 0; i < count; ++i) out[i] = pick(a[i], b[i]);
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 /// Pixels that are dark against everything around them, whatever the light: a black top-hat with a local threshold.
 ///
-/// The closing of a picture (dilation, then erosion, by a square) fills every dark spot narrower than the square with the
-/// darkest of its surroundings, and follows slopes and the edges of hard shadows exactly, since those are wider. Halfway
-/// between the closing (paper) and the local minimum (ink) is the outline of a spot. Serra, "Image Analysis and
+/// The closing of a picture (dilation, then erosion, by a square) fills every dark spot narrower than the square with
+/// the darkest of its surroundings, and follows slopes and the edges of hard shadows exactly, since those are wider.
+/// Halfway between the closing (paper) and the local minimum (ink) is the outline of a spot. Serra, "Image Analysis and
 /// Mathematical Morphology", 1982, chapter 12. Paper and ink are found at half the size: they vary slowly.
 #include <cstdint>
 #include <vector>
@@ -17,7 +17,8 @@ namespace ninedot {
 /// Memory: the constructor's. Threads: one caller.
 class SpotThreshold {
  public:
-  /// Side of the closing's square in pixels of the half-size picture: spots up to twice that many pixels of the full one.
+  /// Side of the closing's square in pixels of the half-size picture: spots up to twice that many pixels of the full
+  /// one.
   static constexpr int kSquare_px = 12;
 
   SpotThreshold(int max_half_width_px, int max_half_height_px);

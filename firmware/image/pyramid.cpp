@@ -63,7 +63,8 @@ double estimate_noise_lsb(const ImageView& in) noexcept {
       ++count;
     }
   }
-  // Second differences are whole numbers: a plain median of them would step by 0.6 grey levels, so interpolate in its bin.
+  // Second differences are whole numbers: a plain median of them would step by 0.6 grey levels, so interpolate in its
+  // bin.
   double below = 0;
   for (std::size_t value = 0; value < histogram.size(); ++value) {
     const double here = histogram[value];

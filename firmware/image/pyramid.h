@@ -23,7 +23,8 @@ class ImageBuffer {
   int height_px() const noexcept { return height_px_; }
   std::ptrdiff_t stride_bytes() const noexcept { return stride_; }
   ImageView view() const noexcept { return {first_, width_px_, height_px_, stride_}; }
-  /// The same memory for a smaller picture, for work on a part of the frame. \param sizes  at most the constructed ones (contract)
+  /// The same memory for a smaller picture, for work on a part of the frame. \param sizes  at most the constructed ones
+  /// (contract)
   void resize_within(int width_px, int height_px) noexcept;
 
  private:
@@ -38,7 +39,8 @@ class ImageBuffer {
 void halve(const ImageView& in, ImageBuffer& out) noexcept;
 
 /// Noise of a picture, from second differences along some rows: 1.4826 median |d2| / sqrt(6). Edges hardly move it.
-/// Source: Immerkaer, "Fast Noise Variance Estimation", CVIU 1996, with a median in place of the mean. [grey levels, 1-sigma]
+/// Source: Immerkaer, "Fast Noise Variance Estimation", CVIU 1996, with a median in place of the mean. [grey levels,
+/// 1-sigma]
 double estimate_noise_lsb(const ImageView& in) noexcept;
 
 }  // namespace ninedot

@@ -9,34 +9,37 @@
 #include "pose/ellipse_parameters.h"
 #include "pose/outline_model.h"
 
-// Start from the dots' centroids (both planar solutions), then Gauss-Newton on the grey levels along all outlines. Groups
-// whose outline is not where the others say, or that show no outline at all (hidden, cut by a shadow), lose their weight
-// (iteratively reweighted least squares; Geman & McClure's weight). The step's normal matrix is the information matrix.
+// Start from the dots' centroids (both planar solutions), then Gauss-Newton on the grey levels along all outlines.
+// Groups whose outline is not where the others say, or that show no outline at all (hidden, cut by a shadow), lose
+// their weight (iteratively reweighted least squares; Geman & McClure's weight). The step's normal matrix is the
+// information matrix.
 
 namespace ninedot {
 namespace {
 
 constexpr std::size_t kMaxPixels = 12000;
 constexpr int kMaxIterations = 7;
-constexpr int kLastCollection = 2;         // iterations after it keep their pixels, unless a dot is split
-constexpr int kFirstThinning = 2;          // of the pixels, while the pose is off by tenths of a pixel
-constexpr double kFirstBand_px = 3.5;     // the centroids' start is good to a pixel
-constexpr double kBandPerSigma = 2.6;     // beyond, an outline's grey levels no longer depend on its place
-constexpr double kOffsetSigma_px = 0.35;  // prior of the common offset: an sRGB curve moves edges by 0.3 px (METHOD, section 3)
+constexpr int kLastCollection = 2;     // iterations after it keep their pixels, unless a dot is split
+constexpr int kFirstThinning = 2;      // of the pixels, while the pose is off by tenths of a pixel
+constexpr double kFirstBand_px = 3.5;  // the centroids' start is good to a pixel
+constexpr double kBandPerSigma = 2.6;  // beyond, an outline's grey levels no longer depend on its place
+constexpr double kOffsetSigma_px =
+    0.35;  // prior of the common offset: an sRGB curve moves edges by 0.3 px (METHOD, section 3)
 constexpr double kHarmonicSigma_px2 = 0.6;  // prior of the blur's direction
 constexpr double kMeanBlur_px2 = 0.7, kMeanBlurSigma_px2 = 3;
-constexpr double kCentroidSigma_px = 0.15;  // of a blob, at best, for telling the two planar solutions apart at a glance
-constexpr double kDecisive = 60;           // difference of chi^2 above which the other solution is not even refined
-constexpr double kSamePose_rad = 0.005;    // two solutions closer than this are one
-constexpr double kMinGroupShare = 0.3;     // of a dot's groups, to count it as used
+constexpr double kCentroidSigma_px =
+    0.15;                                // of a blob, at best, for telling the two planar solutions apart at a glance
+constexpr double kDecisive = 60;         // difference of chi^2 above which the other solution is not even refined
+constexpr double kSamePose_rad = 0.005;  // two solutions closer than this are one
+constexpr double kMinGroupShare = 0.3;   // of a dot's groups, to count it as used
 
 struct Refined {
   OutlineState state;
   UnknownMatrix information = UnknownMatrix::Zero();
-  double noise_variance = 1;   // LSB^2
+  double noise_variance = 1;      // LSB^2
   double model_variance_px2 = 0;  // of the groups' places, beyond the noise
   double rms_px = 0;
-  std::array<double, kMaxGroups> weight{};  // in the normal equations
+  std::array<double, kMaxGroups> weight{};       // in the normal equations
   std::array<bool, kMaxGroups> outline_there{};  // an outline where it belongs, though its light may be spoiled
   bool converged = false;
 };
@@ -91,7 +94,8 @@ Result<PlanarPoses> FullSolver::Workspace::start_from_centroids(const LandmarkOb
 }
 
 void FullSolver::Workspace::fit_all(const OutlineState& state) noexcept {
-  for (std::size_t i = 0; i < pixels.groups.size(); ++i) fit_group(pixels, pixels.groups[i], landmark, state, true, fits[i]);
+  for (std::size_t i = 0; i < pixels.groups.size(); ++i)
+    fit_group(pixels, pixels.groups[i], landmark, state, true, fits[i]);
 }
 
 /// Weights of all groups from their contrast, their residuals and their shift against what the state says.
@@ -113,7 +117,8 @@ void FullSolver::Workspace::weigh_groups(int iteration, Refined& out) noexcept {
   }
   const double contrast_lsb = quantile(std::span(contrasts).first(count), 0.5);
   const double paper_lsb = quantile(std::span(papers).first(count), 0.5);
-  // Not the median: half of the groups may be spoiled by shadows. A twelfth is what rounding to whole grey levels leaves of a noiseless picture.
+  // Not the median: half of the groups may be spoiled by shadows. A twelfth is what rounding to whole grey levels
+  // leaves of a noiseless picture.
   out.noise_variance = std::max(quantile(std::span(variances).first(count), kNoiseQuantile), 1.0 / 12);
 
   out.model_variance_px2 = model_variance(out.noise_variance, contrast_lsb);
@@ -156,7 +161,8 @@ double FullSolver::Workspace::model_variance(double noise_variance, double contr
   for (std::size_t i = 0; i < pixels.groups.size(); ++i) {
     const GroupFit& fit = fits[i];
     if (!fit.usable || fit.contrast_lsb < 0.3 * contrast_lsb) continue;
-    Displaced d{fit.shift_px * fit.shift_px * fit.shift_information / noise_variance, fit.shift_information / noise_variance, 1};
+    Displaced d{fit.shift_px * fit.shift_px * fit.shift_information / noise_variance,
+                fit.shift_information / noise_variance, 1};
     if (pixels.groups[i].whole_dot) {
       constexpr std::array<Eigen::Index, 3> kMoves{3, 4, 6};  // translation along the picture's axes, growth
       const Eigen::Matrix3d N = fit.normal(kMoves, kMoves);
@@ -179,8 +185,8 @@ double FullSolver::Workspace::model_variance(double noise_variance, double contr
 /// A dot that a shadow's edge crosses does not fit one paper and one ink. Its sectors do, but for those on the edge.
 /// \return  whether there is a new one
 bool FullSolver::Workspace::split_shadowed_dots(double noise_variance) noexcept {
-  constexpr double kMaxVariance = 2.5;      // of the noise; smooth light gives 0.7 .. 1.6
-  constexpr double kMaxMisfit = 0.02;       // of the contrast: what the outline's model itself leaves over
+  constexpr double kMaxVariance = 2.5;  // of the noise; smooth light gives 0.7 .. 1.6
+  constexpr double kMaxMisfit = 0.02;   // of the contrast: what the outline's model itself leaves over
   bool any = false;
   for (std::size_t i = 0; i < pixels.groups.size(); ++i) {
     const GroupFit& fit = fits[i];
@@ -294,8 +300,10 @@ PoseEstimate FullSolver::Workspace::conclude(const Refined& best, double ambigui
     const double share = groups[dot] > 0 ? static_cast<double>(good[dot]) / groups[dot] : 0;
     pose.dots_used += share >= kMinGroupShare;
     if (share >= 0.5) continue;
-    if (dot == kCentreDot) centre_missing = true;
-    else ++ring_missing;
+    if (dot == kCentreDot)
+      centre_missing = true;
+    else
+      ++ring_missing;
   }
   pose.occlusion_level = centre_missing ? 3 : ring_missing > 2 ? 2 : ring_missing > 0 ? 1 : 0;
   return pose;
@@ -312,7 +320,8 @@ Result<PoseEstimate> FullSolver::solve(const ImageView& luma, const LandmarkObse
   NINEDOT_TRY(const PlanarPoses starts, w.start_from_centroids(seen));
   const double sigma_px = std::max(kCentroidSigma_px, starts[0].rms * w.camera.fx_px);
   const double scale = w.camera.fx_px / sigma_px;
-  const double coarse = 2 * std::max(seen.seen_count, 4) * (std::pow(starts[1].rms * scale, 2) - std::pow(starts[0].rms * scale, 2));
+  const double coarse =
+      2 * std::max(seen.seen_count, 4) * (std::pow(starts[1].rms * scale, 2) - std::pow(starts[0].rms * scale, 2));
   const auto angle_between = [](const CameraFromLandmark& a, const CameraFromLandmark& b) {
     return log_so3(a.rotation.transpose() * b.rotation).norm();
   };

@@ -13,7 +13,8 @@
 // For the pixel with ray m: the sheet point under it is P = F m (projective, F the inverse of [rX rZ t]), its depth z,
 // p = z m. rho = |P - C|, e its direction, g = eX rX + eZ rZ. Moving the sheet by dp changes rho by -h . dp, where
 // h = g - n (g.m)/(n.m) discards the part along the ray; moving the pixel changes rho by z h . dm. So
-//   d = (rho - r) / |grad|,  grad = z N^T h_xy (N: ray per pixel),  dd/d(rotation, translation) = -[(p - t) x h, h] / |grad|.
+//   d = (rho - r) / |grad|,  grad = z N^T h_xy (N: ray per pixel),  dd/d(rotation, translation) = -[(p - t) x h, h] /
+//   |grad|.
 
 namespace ninedot {
 namespace {
@@ -21,13 +22,13 @@ namespace {
 constexpr double kMinBlur_px2 = 0.12;  // a pixel alone has 1/12
 constexpr double kMaxBlur_px2 = 25;
 constexpr int kMaxOwn = 4;  // unknowns of a group: paper, ink, two slopes
-// Columns: the unknowns' derivatives for contrast 1, the grey level, the group's own (paper, ink, two slopes), so that a
-// group without slopes ends two columns earlier.
+// Columns: the unknowns' derivatives for contrast 1, the grey level, the group's own (paper, ink, two slopes), so that
+// a group without slopes ends two columns earlier.
 constexpr int kGrey = kUnknowns;
 constexpr int kOwn = kUnknowns + 1;
 constexpr int kColumns = kOwn + kMaxOwn;
 
-constexpr int kLanes = 8;                 // pixels at a time: loops over lanes become vector instructions
+constexpr int kLanes = 8;  // pixels at a time: loops over lanes become vector instructions
 using Lanes = std::array<float, kLanes>;
 using Batch = std::array<Lanes, kColumns>;
 
@@ -79,7 +80,8 @@ struct DotView {
   float radius_m, det_F, det_N;
 };
 
-DotView view_of(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const CameraFromLandmark& T, std::size_t dot) noexcept {
+DotView view_of(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const CameraFromLandmark& T,
+                std::size_t dot) noexcept {
   DotView v;
   Eigen::Matrix3d G;
   G << T.rotation.col(0), T.rotation.col(2), T.translation_m;
@@ -109,7 +111,8 @@ void fill_batch(const OutlinePixels& pixels, const OutlineGroup& group, const Do
     grey[lane] = pixels.luma[at] - pixels.luma[first];
     there[lane] = 1;
   }
-  for (int l = used; l < kLanes; ++l) ray_x[static_cast<std::size_t>(l)] = ray_x[0], ray_y[static_cast<std::size_t>(l)] = ray_y[0];
+  for (int l = used; l < kLanes; ++l)
+    ray_x[static_cast<std::size_t>(l)] = ray_x[0], ray_y[static_cast<std::size_t>(l)] = ray_y[0];
 
   const auto blur = static_cast<float>(state.blur_px2);
   const auto blur_cos = static_cast<float>(state.blur_cos_px2), blur_sin = static_cast<float>(state.blur_sin_px2);
@@ -122,10 +125,12 @@ void fill_batch(const OutlinePixels& pixels, const OutlineGroup& group, const Do
     const float Z = (v.F(1, 0) * mx + v.F(1, 1) * my + v.F(1, 2)) * depth - v.C.y();
     const float rho = std::sqrt(X * X + Z * Z + 1e-12F);
     const float eX = X / rho, eZ = Z / rho;
-    const float gx = eX * v.rX.x() + eZ * v.rZ.x(), gy = eX * v.rX.y() + eZ * v.rZ.y(), gz = eX * v.rX.z() + eZ * v.rZ.z();
+    const float gx = eX * v.rX.x() + eZ * v.rZ.x(), gy = eX * v.rX.y() + eZ * v.rZ.y(),
+                gz = eX * v.rX.z() + eZ * v.rZ.z();
     const float along = (gx * mx + gy * my + gz) / (v.n.x() * mx + v.n.y() * my + v.n.z());
     const float hx = gx - v.n.x() * along, hy = gy - v.n.y() * along, hz = gz - v.n.z() * along;
-    const float gradient_x = depth * (v.N(0, 0) * hx + v.N(1, 0) * hy), gradient_y = depth * (v.N(0, 1) * hx + v.N(1, 1) * hy);
+    const float gradient_x = depth * (v.N(0, 0) * hx + v.N(1, 0) * hy),
+                gradient_y = depth * (v.N(0, 1) * hx + v.N(1, 1) * hy);
     const float slope2 = gradient_x * gradient_x + gradient_y * gradient_y;
     const float slope = std::sqrt(slope2);
     const float c2 = (gradient_x * gradient_x - gradient_y * gradient_y) / slope2;
@@ -145,7 +150,8 @@ void fill_batch(const OutlinePixels& pixels, const OutlineGroup& group, const Do
     const float density = 0.39894228F * exp_of_negative(-0.5F * z * z);
     const float k = 1 / (1 + 0.2316419F * magnitude);
     const float tail =
-        density * k * (0.319381530F + k * (-0.356563782F + k * (1.781477937F + k * (-1.821255978F + k * 1.330274429F))));
+        density * k *
+        (0.319381530F + k * (-0.356563782F + k * (1.781477937F + k * (-1.821255978F + k * 1.330274429F))));
     const float ink = (z > 0 ? tail : 1 - tail) * there[l];
     const float paper = there[l] - ink;
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kWholeDotBelow_px = 7.0;  // semi-minor axis; larger dots are cut into stretches of kSector_px
 constexpr double kSector_px = 12.0;
-constexpr double kSplitAbove_px = 2.0;     // semi-minor axis; an eighth of a smaller outline is less than two pixels
+constexpr double kSplitAbove_px = 2.0;  // semi-minor axis; an eighth of a smaller outline is less than two pixels
 
 /// One dot's outline in the picture, as an ellipse.
 struct DotEllipse {
@@ -22,8 +22,8 @@ struct DotEllipse {
   double semi_major_px, semi_minor_px;
 };
 
-bool project_dot(const CameraModel& camera, const LandmarkGeometry& landmark, const CameraFromLandmark& T, std::size_t dot,
-                 DotEllipse& out, Eigen::Matrix2d& normalised_per_px) noexcept {
+bool project_dot(const CameraModel& camera, const LandmarkGeometry& landmark, const CameraFromLandmark& T,
+                 std::size_t dot, DotEllipse& out, Eigen::Matrix2d& normalised_per_px) noexcept {
   const Eigen::Vector2d C = landmark.centre_m(dot);
   const Eigen::Vector3d p = T * Eigen::Vector3d(C.x(), 0, C.y());
   if (!(p.z() > 1e-3)) return false;
@@ -88,7 +88,8 @@ bool RayTable::ray(int x, int y, float& ray_x, float& ray_y) const noexcept {
     ray_y = static_cast<float>((y - camera_.cy_px) / camera_.fy_px);
     return true;
   }
-  const std::size_t at = 2 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width_px) + static_cast<std::size_t>(x));
+  const std::size_t at =
+      2 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width_px) + static_cast<std::size_t>(x));
   ray_x = rays_[at];
   ray_y = rays_[at + 1];
   return !std::isnan(ray_x);
@@ -97,13 +98,15 @@ bool RayTable::ray(int x, int y, float& ray_x, float& ray_y) const noexcept {
 namespace {
 
 /// Appends one dot's pixels, sorted into its sectors. \return false when they do not fit
-bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e, std::uint8_t dot, double band_px, int thin, bool split,
-                OutlinePixels& out) noexcept {
+bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e, std::uint8_t dot, double band_px,
+                int thin, bool split, OutlinePixels& out) noexcept {
   const bool small = e.semi_minor_px < kWholeDotBelow_px;
   const bool whole = small && !(split && e.semi_minor_px > kSplitAbove_px);
   const double length_px = std::numbers::pi * (e.semi_major_px + e.semi_minor_px);
   const std::size_t sectors =
-      whole ? 1 : small ? 8 : std::clamp<std::size_t>(static_cast<std::size_t>(length_px / kSector_px), 8, kMaxSectors);
+      whole   ? 1
+      : small ? 8
+              : std::clamp<std::size_t>(static_cast<std::size_t>(length_px / kSector_px), 8, kMaxSectors);
   const double outer = 1 + band_px / e.semi_minor_px;
   const double inner = 1 - band_px / e.semi_minor_px;
   const double reach_px = e.semi_major_px * outer + 1;
@@ -175,8 +178,9 @@ bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e
 }  // namespace
 
 void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, const RayTable& rays,
-                            const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark, double band_px,
-                            int thinning, const std::array<bool, kDotCount>& split, OutlinePixels& out) noexcept {
+                            const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark,
+                            double band_px, int thinning, const std::array<bool, kDotCount>& split,
+                            OutlinePixels& out) noexcept {
   out.count = 0;
   out.groups.clear();
   out.visible_outlines = 0;

@@ -17,9 +17,9 @@ using CameraFromLandmark = Transform<frame::Camera, frame::Landmark>;
 /// A whole small dot, or a stretch of a large dot's outline. Within it paper and ink are taken as constant (paper of a
 /// whole dot: as sloping), so that light may change from group to group as it likes.
 struct OutlineGroup {
-  std::int32_t first = 0;   ///< index of its first pixel
+  std::int32_t first = 0;  ///< index of its first pixel
   std::int32_t count = 0;
-  std::uint8_t dot = 0;     ///< 0..7 = P1..P8, 8 = P9
+  std::uint8_t dot = 0;  ///< 0..7 = P1..P8, 8 = P9
   bool whole_dot = false;
   float centre_x_px = 0, centre_y_px = 0;  ///< of its pixels
 };
@@ -56,7 +56,8 @@ class RayTable {
 /// \param split  dots to cut into sectors even when they are small, because a shadow's edge crosses them
 /// Above the capacity of `out`, large dots are thinned to every second or third pixel instead of being cut off.
 void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, const RayTable& rays,
-                            const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark, double band_px,
-                            int thinning, const std::array<bool, kDotCount>& split, OutlinePixels& out) noexcept;
+                            const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark,
+                            double band_px, int thinning, const std::array<bool, kDotCount>& split,
+                            OutlinePixels& out) noexcept;
 
 }  // namespace ninedot

@@ -11,7 +11,8 @@ namespace ninedot {
 namespace {
 
 /// One dark ellipse, blurred by 0.6 px, on a slope of light, with noise.
-std::vector<std::uint8_t> one_ellipse(double x_px, double y_px, double a_px, double b_px, double angle_rad, double noise_lsb) {
+std::vector<std::uint8_t> one_ellipse(double x_px, double y_px, double a_px, double b_px, double angle_rad,
+                                      double noise_lsb) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0, noise_lsb);
   std::vector<std::uint8_t> pixels(640 * 480);
@@ -35,7 +36,8 @@ std::vector<std::uint8_t> one_ellipse(double x_px, double y_px, double a_px, dou
 
 const Blob* nearest(const BlobList& blobs, double x_px, double y_px) {
   const auto distance = [&](const Blob& b) { return std::hypot(b.x_px - x_px, b.y_px - y_px); };
-  const Blob* best = std::min_element(blobs.begin(), blobs.end(), [&](const Blob& a, const Blob& b) { return distance(a) < distance(b); });
+  const Blob* best = std::min_element(blobs.begin(), blobs.end(),
+                                      [&](const Blob& a, const Blob& b) { return distance(a) < distance(b); });
   return best != blobs.end() && distance(*best) < 2 ? best : nullptr;
 }
 

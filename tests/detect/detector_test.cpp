@@ -26,8 +26,8 @@ test::Scene scene_at(const test::Viewpoint& viewpoint, double noise_lsb = 1.5) {
 Eigen::Vector2d pixel_of(const test::Scene& scene, const Eigen::Vector2d& plane_m) {
   const auto& q = scene.camera.quaternion_wxyz;
   const auto& p = scene.camera.position_m;
-  const Eigen::Vector3d in_camera =
-      Eigen::Quaterniond(q[0], q[1], q[2], q[3]).conjugate() * (Eigen::Vector3d(plane_m.x(), 0, plane_m.y()) - Eigen::Vector3d(p[0], p[1], p[2]));
+  const Eigen::Vector3d in_camera = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).conjugate() *
+                                    (Eigen::Vector3d(plane_m.x(), 0, plane_m.y()) - Eigen::Vector3d(p[0], p[1], p[2]));
   return {720 * in_camera.x() / in_camera.z() + 319.5, 720 * in_camera.y() / in_camera.z() + 239.5};
 }
 
@@ -72,7 +72,12 @@ INSTANTIATE_TEST_SUITE_P(
                     View{"steep", {.distance_m = 1.5, .tilt_rad = 75 * kDegree}, 6},
                     View{"steep from above", {.distance_m = 1.0, .tilt_rad = 65 * kDegree, .azimuth_rad = 1.2}, 7},
                     View{"rolled", {.distance_m = 2, .tilt_rad = 10 * kDegree, .roll_rad = 20 * kDegree}, 9},
-                    View{"in the corner", {.distance_m = 1.5, .tilt_rad = 25 * kDegree, .off_axis_x_rad = 17 * kDegree, .off_axis_y_rad = 12 * kDegree}, 9}),
+                    View{"in the corner",
+                         {.distance_m = 1.5,
+                          .tilt_rad = 25 * kDegree,
+                          .off_axis_x_rad = 17 * kDegree,
+                          .off_axis_y_rad = 12 * kDegree},
+                         9}),
     [](const auto& param_info) {
       std::string name = param_info.param.name;
       std::replace(name.begin(), name.end(), ' ', '_');
@@ -100,8 +105,7 @@ TEST(Detector, NumbersTheRingByTheExpectedRoll) {
 TEST(Detector, RowStrideDoesNotMatter) {
   const test::Picture picture = test::render(scene_at({.distance_m = 1.2}), 1);
   std::vector<std::uint8_t> wide(static_cast<std::size_t>(700 * 480), 77);
-  for (int y = 0; y < 480; ++y)
-    std::copy_n(picture.view().row(y), 640, wide.data() + y * 700);
+  for (int y = 0; y < 480; ++y) std::copy_n(picture.view().row(y), 640, wide.data() + y * 700);
   Detector detector(CameraModel{}, LandmarkGeometry{});
   const auto a = detector.find_landmark(picture.view());
   const auto b = detector.find_landmark({wide.data(), 640, 480, 700});
@@ -124,7 +128,8 @@ TEST_P(Hidden, SheetIsFoundFromWhatIsLeft) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Detector, Hidden,
-                         testing::Combine(testing::Values(0.1, 0.2, 0.3, 0.4), testing::Values(0.0, 45.0, 90.0, 180.0, 270.0)));
+                         testing::Combine(testing::Values(0.1, 0.2, 0.3, 0.4),
+                                          testing::Values(0.0, 45.0, 90.0, 180.0, 270.0)));
 
 TEST(Detector, FindsTheLandmarkAcrossAHardShadowAndThroughHaze) {
   test::Scene scene = scene_at({.distance_m = 1.5, .tilt_rad = 20 * kDegree});
@@ -150,7 +155,8 @@ TEST(Detector, TakesNoOtherPatternForTheLandmark) {
     for (const double distance_m : {0.8, 2.0, 4.0}) {
       test::Scene scene = scene_at({.distance_m = distance_m, .tilt_rad = 25 * kDegree});
       scene.sheets = {patterns[i]};
-      EXPECT_FALSE(detector.find_landmark(test::render(scene, i).view()).has_value()) << "pattern " << i << " at " << distance_m << " m";
+      EXPECT_FALSE(detector.find_landmark(test::render(scene, i).view()).has_value())
+          << "pattern " << i << " at " << distance_m << " m";
     }
 }
 

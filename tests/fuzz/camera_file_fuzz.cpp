@@ -15,8 +15,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t cou
     EXPECTS(line.starts_with("camera.yaml:") && line.find('\n') == std::string::npos);
     return 0;
   }
-  EXPECTS(std::isfinite(camera.fx_px) && camera.fx_px > 0 && std::isfinite(camera.cx_px) && std::isfinite(camera.cy_px));
+  EXPECTS(std::isfinite(camera.fx_px) && camera.fx_px > 0 && std::isfinite(camera.cx_px) &&
+          std::isfinite(camera.cy_px));
   const CameraModel again = parse_camera(format_camera(camera, "fuzz"), "again");
-  EXPECTS(again.fx_px == camera.fx_px && again.cy_px == camera.cy_px && again.model == camera.model && again.k == camera.k);
+  EXPECTS(again.fx_px == camera.fx_px && again.cy_px == camera.cy_px && again.model == camera.model &&
+          again.k == camera.k);
   return 0;
 }

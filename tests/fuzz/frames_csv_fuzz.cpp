@@ -16,7 +16,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t cou
   for (std::size_t i = 0; i < rows->size(); ++i) {
     const FramesCsvRow& a = (*rows)[i];
     const FramesCsvRow& b = (*again)[i];
-    EXPECTS(a.frame == b.frame && a.timestamp_ns == b.timestamp_ns && a.pan_deg == b.pan_deg && a.tilt_deg == b.tilt_deg);
+    EXPECTS(a.frame == b.frame && a.timestamp_ns == b.timestamp_ns && a.pan_deg == b.pan_deg &&
+            a.tilt_deg == b.tilt_deg);
   }
   return 0;
 }

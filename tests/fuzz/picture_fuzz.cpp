@@ -1,4 +1,5 @@
-// PNG, PNM and JPEG: the size from the header, then the whole picture into exactly as much memory as that size asks for.
+// PNG, PNM and JPEG: the size from the header, then the whole picture into exactly as much memory as that size asks
+// for.
 #include <vector>
 
 #include "base/contract.h"

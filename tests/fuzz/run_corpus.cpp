@@ -1,5 +1,5 @@
-// Runs a fuzz target over the files of a folder: the corpus as an ordinary test, with any compiler. Each file is also cut at
-// several lengths, so that a target sees truncated input without a fuzzer.
+// Runs a fuzz target over the files of a folder: the corpus as an ordinary test, with any compiler. Each file is also
+// cut at several lengths, so that a target sees truncated input without a fuzzer.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>

@@ -16,7 +16,8 @@ std::vector<std::uint8_t> noise_picture(int width_px, int height_px, int stride_
   std::vector<std::uint8_t> pixels(static_cast<std::size_t>(stride_bytes * height_px), 255);
   for (int y = 0; y < height_px; ++y)
     for (int x = 0; x < width_px; ++x)
-      pixels[static_cast<std::size_t>(y * stride_bytes + x)] = static_cast<std::uint8_t>(std::clamp(noise(random), 0.0, 255.0));
+      pixels[static_cast<std::size_t>(y * stride_bytes + x)] =
+          static_cast<std::uint8_t>(std::clamp(noise(random), 0.0, 255.0));
   return pixels;
 }
 
@@ -31,7 +32,8 @@ TEST(Pyramid, HalvingIsTheRoundedMeanOfFourPixelsForAnyWidthAndStride) {
     ASSERT_EQ(out.height_px(), 3);
     for (int y = 0; y < out.height_px(); ++y)
       for (int x = 0; x < out.width_px(); ++x) {
-        const int sum = in.at(2 * x, 2 * y) + in.at(2 * x + 1, 2 * y) + in.at(2 * x, 2 * y + 1) + in.at(2 * x + 1, 2 * y + 1);
+        const int sum =
+            in.at(2 * x, 2 * y) + in.at(2 * x + 1, 2 * y) + in.at(2 * x, 2 * y + 1) + in.at(2 * x + 1, 2 * y + 1);
         ASSERT_EQ(out.row(y)[x], (sum + 2) / 4) << width_px << ' ' << x << ' ' << y;
       }
   }

@@ -28,7 +28,8 @@ Errors errors_of(const test::Scene& scene, const PoseEstimate& estimate) {
   const auto& p = scene.camera.position_m;
   Errors e;
   e.pose.head<3>() = Eigen::Vector3d(p[0], p[1], p[2]) - estimate.T_landmark_camera.translation_m;
-  e.pose.tail<3>() = log_so3(estimate.T_landmark_camera.rotation.transpose() * Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix());
+  e.pose.tail<3>() = log_so3(estimate.T_landmark_camera.rotation.transpose() *
+                             Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix());
   e.normalised2 = e.pose.dot(estimate.covariance.inverse() * e.pose);
   return e;
 }
@@ -60,7 +61,8 @@ TEST_P(ToneCurves, ErrorIsNearTheCramerRaoBoundAndTheCovarianceHonest) {
   double sum = 0;
   for (const double distance_m : {0.8, 1.5, 2.5, 4.0}) {
     for (const double tilt_deg : {20.0, 45.0}) {
-      test::Scene scene = scene_at({.distance_m = distance_m, .tilt_rad = tilt_deg * kDegree, .azimuth_rad = distance_m});
+      test::Scene scene =
+          scene_at({.distance_m = distance_m, .tilt_rad = tilt_deg * kDegree, .azimuth_rad = distance_m});
       scene.sensor.tone = GetParam();
       const auto bound = bench::cramer_rao_bound(scene);
       ASSERT_TRUE(bound.has_value());
@@ -86,11 +88,14 @@ TEST_P(ToneCurves, ErrorIsNearTheCramerRaoBoundAndTheCovarianceHonest) {
 }
 
 INSTANTIATE_TEST_SUITE_P(FullSolver, ToneCurves, testing::Values(test::ToneCurve::kLinear, test::ToneCurve::kSrgb),
-                         [](const auto& param_info) { return param_info.param == test::ToneCurve::kLinear ? "Linear" : "Srgb"; });
+                         [](const auto& param_info) {
+                           return param_info.param == test::ToneCurve::kLinear ? "Linear" : "Srgb";
+                         });
 
 TEST(FullSolver, HardShadowAcrossTheSheetCostsLessThanHalfAPercent) {
   test::Scene scene = scene_at({.distance_m = 2, .tilt_rad = 20 * kDegree});
-  scene.light.shadows.push_back({.direction_rad = 0.5, .offset_m = 0.01, .width_m = 0.06, .penumbra_m = 0.004, .remaining = 0.3});
+  scene.light.shadows.push_back(
+      {.direction_rad = 0.5, .offset_m = 0.01, .width_m = 0.06, .penumbra_m = 0.004, .remaining = 0.3});
   const auto pose = pose_of(test::render(scene, 2));
   ASSERT_TRUE(pose.has_value());
   EXPECT_LT(errors_of(scene, *pose).pose.head<3>().norm(), 0.005 * 2);
