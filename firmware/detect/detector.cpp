@@ -21,8 +21,6 @@ namespace {
 
 /// Blobs know nothing of the landmark: what is hidden, spoiled or at the picture's edge is told by the outlines.
 constexpr float kWholeOutline = 0.9F;
-constexpr float kLargeOutline = 0.97F;
-constexpr float kLargeDot_px2 = 60;
 
 struct Window {
   int x = 0, y = 0, width = 0, height = 0;
@@ -115,8 +113,8 @@ bool Detector::Workspace::is_cut(std::size_t dot, const Blob& blob) const noexce
   const double radius_m = landmark.radius_m(dot);
   const double whole_px2 =
       std::numbers::pi * radius_m * radius_m * jacobian_of_map(best.H_px_plane, landmark.centre_m(dot)).determinant();
-  // 7 %, and a threshold that is off by a tenth of a pixel all around.
-  return static_cast<double>(blob.area_px2) < whole_px2 * (0.93 - 0.8 / std::sqrt(whole_px2));
+  // A seventh (a shadow across a dot costs a tenth), and a threshold that is off by a sixth of a pixel all around.
+  return static_cast<double>(blob.area_px2) < whole_px2 * (0.85 - 1.2 / std::sqrt(whole_px2));
 }
 
 Result<LandmarkObservation> Detector::Workspace::observe(const Verification& verification) noexcept {
@@ -129,9 +127,7 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Verification& ver
     d.visible_fraction = verification.visible_fraction[dot];
     if (best.blob[dot] < 0) continue;
     const Blob& blob = blobs[static_cast<std::size_t>(best.blob[dot])];
-    // Of sixteen directions a small dot may lose one to noise; a larger one that lacks one is cut by something.
-    d.seen =
-        d.visible_fraction >= (blob.area_px2 > kLargeDot_px2 ? kLargeOutline : kWholeOutline) && !is_cut(dot, blob);
+    d.seen = d.visible_fraction >= kWholeOutline && !is_cut(dot, blob);
     d.centroid_px = {blob.x_px, blob.y_px};
     const double mean = 0.5 * (static_cast<double>(blob.xx_px2) + blob.yy_px2);
     const double half = 0.5 * (static_cast<double>(blob.xx_px2) - blob.yy_px2);

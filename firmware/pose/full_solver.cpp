@@ -28,10 +28,11 @@ constexpr double kOffsetSigma_px =
 constexpr double kHarmonicSigma_px2 = 0.6;  // prior of the blur's direction
 constexpr double kMeanBlur_px2 = 0.7, kMeanBlurSigma_px2 = 3;
 constexpr double kCentroidSigma_px =
-    0.15;                                // of a blob, at best, for telling the two planar solutions apart at a glance
-constexpr double kDecisive = 60;         // difference of chi^2 above which the other solution is not even refined
-constexpr double kSamePose_rad = 0.005;  // two solutions closer than this are one
-constexpr double kMinGroupShare = 0.3;   // of a dot's groups, to count it as used
+    0.15;                                 // of a blob, at best, for telling the two planar solutions apart at a glance
+constexpr std::size_t kMinCentroids = 5;  // for a start from centroids
+constexpr double kDecisive = 60;          // difference of chi^2 above which the other solution is not even refined
+constexpr double kSamePose_rad = 0.005;   // two solutions closer than this are one
+constexpr double kMinGroupShare = 0.3;    // of a dot's groups, to count it as used
 
 struct Refined {
   OutlineState state;
@@ -82,7 +83,7 @@ Result<PlanarPoses> FullSolver::Workspace::start_from_centroids(const LandmarkOb
     const auto ray = camera.normalised_from_pixel(seen.dots[dot].centroid_px);
     if (ray) (void)points.try_push_back({landmark.centre_m(dot), *ray});
   }
-  if (points.size() >= 5) return solve_planar_pose(points.span());
+  if (points.size() >= kMinCentroids) return solve_planar_pose(points.span());
   // Four dots may lie three on a line; the detector's map of the sheet is as good and covers all nine places.
   points.clear();
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
@@ -320,8 +321,11 @@ Result<PoseEstimate> FullSolver::solve(const ImageView& luma, const LandmarkObse
   NINEDOT_TRY(const PlanarPoses starts, w.start_from_centroids(seen));
   const double sigma_px = std::max(kCentroidSigma_px, starts[0].rms * w.camera.fx_px);
   const double scale = w.camera.fx_px / sigma_px;
-  const double coarse =
-      2 * std::max(seen.seen_count, 4) * (std::pow(starts[1].rms * scale, 2) - std::pow(starts[0].rms * scale, 2));
+  // A start from the detector's map fits itself: its residuals say nothing.
+  const bool from_centroids = seen.seen_count >= static_cast<int>(kMinCentroids);
+  const double coarse = from_centroids ? 2 * std::max(seen.seen_count, 4) *
+                                             (std::pow(starts[1].rms * scale, 2) - std::pow(starts[0].rms * scale, 2))
+                                       : 0;
   const auto angle_between = [](const CameraFromLandmark& a, const CameraFromLandmark& b) {
     return log_so3(a.rotation.transpose() * b.rotation).norm();
   };
