@@ -243,16 +243,23 @@ void BlobFinder::collect(const ImageView& picture, int level, double noise_lsb, 
                     static_cast<float>(m.xy * scale * scale),
                     static_cast<float>(m.yy * scale * scale),
                     level};
-    // The same dot, seen a level up: the finer one replaces it.
+    // The same dot, seen one or more levels up: the finest one replaces them all.
     bool replaced = false;
-    for (Blob& other : blobs) {
+    for (std::size_t k = 0; k < blobs.size();) {
+      Blob& other = blobs[k];
       const float dx = other.x_px - blob.x_px, dy = other.y_px - blob.y_px;
-      if (other.level > level && dx * dx + dy * dy < 0.03F * other.area_px2 && blob.area_px2 > 0.5F * other.area_px2 &&
-          blob.area_px2 < 2 * other.area_px2) {
+      const bool same = other.level > level && dx * dx + dy * dy < 0.03F * other.area_px2 &&
+                        blob.area_px2 > 0.4F * other.area_px2 && blob.area_px2 < 2.5F * other.area_px2;
+      if (same && replaced) {
+        other = blobs[blobs.size() - 1];
+        blobs.pop_back();
+        continue;
+      }
+      if (same) {
         other = blob;
         replaced = true;
-        break;
       }
+      ++k;
     }
     if (!replaced && !blobs.try_push_back(blob)) return;
   }
