@@ -17,9 +17,11 @@ add_library(ninedot_options INTERFACE)
 target_include_directories(ninedot_options INTERFACE ${CMAKE_SOURCE_DIR} ${CMAKE_SOURCE_DIR}/firmware)
 target_compile_options(ninedot_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor
-  -Woverloaded-virtual -Wcast-align -Wnull-dereference -Wimplicit-fallthrough
-  $<$<AND:$<BOOL:${NINEDOT_WERROR}>,$<NOT:$<BOOL:${NINEDOT_SANITIZE}>>>:-Werror>)
+  -Woverloaded-virtual -Wcast-align -Wnull-dereference -Wimplicit-fallthrough)
 # In instrumented code GCC takes the library's own locals for uninitialised (its bug 105562): a warning there is no error.
+if(NINEDOT_WERROR AND NOT NINEDOT_SANITIZE)
+  target_compile_options(ninedot_options INTERFACE -Werror)
+endif()
 # The expression templates of Eigen make GCC see null dereferences that do not exist.
 target_compile_options(ninedot_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-null-dereference>)
 target_link_libraries(ninedot_options INTERFACE Threads::Threads)
