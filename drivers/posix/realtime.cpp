@@ -14,7 +14,12 @@ namespace {
 
 // The frame path needs less than 100 KiB of stack; sanitizers multiply that by about three.
 constexpr std::size_t kTouchedStack_bytes = std::size_t{384} * 1024;
+#if defined(__SANITIZE_THREAD__)
+// glibc carves a thread's static TLS out of its stack, and this sanitizer's is about 0.8 MiB.
+constexpr std::size_t kThreadStack_bytes = std::size_t{2048} * 1024;
+#else
 constexpr std::size_t kThreadStack_bytes = std::size_t{1024} * 1024;
+#endif
 
 // volatile: the compiler must not drop the writes; noinline: the array must be gone again afterwards.
 [[gnu::noinline]] void touch_stack() noexcept {

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
@@ -225,6 +226,9 @@ int overlay_scale(int height_px) noexcept { return std::clamp((900 + height_px -
 void draw_overlay(const ImageView& luma, const Report& report, const LandmarkObservation* seen,
                   const CameraModel& camera, const LandmarkGeometry& geometry, int scale, RgbPicture& picture) {
   EXPECTS(!luma.empty() && scale >= 0);
+  // Pictures of this size gain nothing from OpenCV's worker threads, which would outlive the call and take the cores
+  // of the frame loop; the thread sanitizer cannot look into them either.
+  cv::setNumThreads(1);
   if (scale == 0) scale = overlay_scale(luma.height_px);
   const int width = luma.width_px * scale, height = luma.height_px * scale;
   const double unit_px = std::clamp(height / kPanelHeight_units, 0.75, 4.0);

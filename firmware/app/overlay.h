@@ -35,7 +35,8 @@ int overlay_scale(int height_px) noexcept;
 /// \param scale     output pixels per frame pixel, > 0 (contract), or 0 for overlay_scale of the frame's height.
 /// \param picture   filled; its memory is used again, so one picture serves a whole recording. Its size depends only on
 ///                  the frame's size and on `scale`.
-/// Memory: allocates; not for the frame path. Threads: any, one per picture.
+/// Memory: allocates; not for the frame path. Threads: any, one per picture; switches OpenCV's worker threads off in
+/// this process.
 void draw_overlay(const ImageView& luma, const Report& report, const LandmarkObservation* seen,
                   const CameraModel& camera, const LandmarkGeometry& geometry, int scale, RgbPicture& picture);
 

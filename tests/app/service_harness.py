@@ -63,11 +63,14 @@ class Service:
         return self
 
     def __exit__(self, *exception):
-        if self.process.poll() is None:
+        status, log = self.process.poll(), self.log_text()
+        if status is None:
             self.process.kill()
         self.process.communicate()
         self.log.close()
         self.folder.cleanup()
+        # Whatever the test waited for in vain, this is why.
+        assert exception[0] is None or status in (None, 0), f"ninedotd had ended with status {status}: {log}"
 
     def log_text(self):
         return pathlib.Path(self.log.name).read_text()
