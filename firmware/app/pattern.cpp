@@ -24,9 +24,7 @@ constexpr double kLargestPaper_mm = 5000;  // a PDF page ends at 14400 points = 
 constexpr double kLargestLength_mm = 10000;
 constexpr PageColour kBlack{0, 0, 0}, kCutGrey{0.6, 0.6, 0.6};
 
-// White beside the ring dots, in dot radii: what the sheet of 210 x 210 mm has (12.3 mm beside dots of 12.7 mm), and
-// what the paper must leave at least.
-constexpr double kSheetWhite_radii = 12.3 / 12.7, kLeastWhite_radii = 0.9;
+constexpr double kLeastWhite_radii = 0.9;  // beside the ring dots, in dot radii: what the paper must leave
 
 // Dark enough that each has at most 30 % of the paper's luma (BT.601), so the detector sees a dot, and pure in hue.
 constexpr PageColour kRed{0.8, 0, 0}, kGreen{0, 0.5, 0}, kBlue{0, 0, 0.8};
@@ -106,7 +104,7 @@ Paper parse_sheet(const std::string& sheet) {
 }
 
 double sheet_side_mm(const PatternOptions& o) {
-  return 2 * o.ring_radius_mm + o.dot_diameter_mm * (1 + kSheetWhite_radii);
+  return 2 * o.ring_radius_mm + o.dot_diameter_mm * (1 + LandmarkGeometry::kWhite_radii);
 }
 
 /// The factor by which the landmark may grow (below 1: must shrink) to just fit: dots within the printer's reach,

@@ -21,16 +21,21 @@ namespace {
 
 constexpr double kMinBlur_px2 = 0.12;  // a pixel alone has 1/12
 constexpr double kMaxBlur_px2 = 25;
-constexpr int kMaxOwn = 4;  // unknowns of a group: paper, ink, two slopes
-// Columns: the unknowns' derivatives for contrast 1, the grey level, the group's own (paper, ink, two slopes), so that
-// a group without slopes ends two columns earlier.
+constexpr int kMaxOwn = 5;  // unknowns of a group: paper, ink, what is beyond the paper, two slopes
+// Columns: the unknowns' derivatives for contrast 1, the grey level, the group's own (paper, ink, beyond the paper, two
+// slopes), so that a group without the last ones ends earlier.
 constexpr int kGrey = kUnknowns;
 constexpr int kOwn = kUnknowns + 1;
 constexpr int kColumns = kOwn + kMaxOwn;
+constexpr std::size_t kPaper = kOwn, kInk = kOwn + 1, kBeyond = kOwn + 2, kSlopeX = kOwn + 3, kSlopeY = kOwn + 4;
+
+constexpr float kSlopeUnit = 0.1F;  // makes the slopes' columns as large as the others
 
 constexpr int kLanes = 8;  // pixels at a time: loops over lanes become vector instructions
 using Lanes = std::array<float, kLanes>;
 using Batch = std::array<Lanes, kColumns>;
+using OwnMatrix = Eigen::Matrix<double, kMaxOwn, kMaxOwn>;
+using OwnVector = Eigen::Matrix<double, kMaxOwn, 1>;
 
 /// Sums of products of all columns: everything that a step needs, in one pass.
 class Products {
@@ -71,13 +76,26 @@ inline float exp_of_negative(float x) noexcept {
   return p * std::bit_cast<float>(exponent);
 }
 
+/// The standard normal density and its integral from |z| on.
+struct NormalTail {
+  float density, tail;
+};
+/// Abramowitz & Stegun, "Handbook of Mathematical Functions", 26.2.17; error below 7.5e-8.
+inline NormalTail normal_tail(float z) noexcept {
+  const float density = 0.39894228F * exp_of_negative(-0.5F * z * z);
+  const float k = 1 / (1 + 0.2316419F * (z > 0 ? z : -z));
+  return {
+      density,
+      density * k * (0.319381530F + k * (-0.356563782F + k * (1.781477937F + k * (-1.821255978F + k * 1.330274429F))))};
+}
+
 /// What all pixels of a dot share.
 struct DotView {
   Eigen::Matrix3f F;
   Eigen::Vector3f rX, rZ, n, t;
   Eigen::Matrix2f N;
-  Eigen::Vector2f C;
-  float radius_m, det_F, det_N;
+  Eigen::Vector2f C, outward;
+  float radius_m, paper_radius_m, det_F, det_N;
 };
 
 DotView view_of(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const CameraFromLandmark& T,
@@ -94,15 +112,17 @@ DotView view_of(const OutlinePixels& pixels, const LandmarkGeometry& landmark, c
   v.det_N = v.N.determinant();
   v.C = landmark.centre_m(dot).cast<float>();
   v.radius_m = static_cast<float>(landmark.radius_m(dot));
+  v.outward = v.C.normalized();  // of no use for the centre dot
+  v.paper_radius_m = static_cast<float>(landmark.paper_radius_m());
   return v;
 }
 
 /// Evaluates up to kLanes pixels of a group into columns; lanes beyond `used` are zero. Plain loops over lanes, free of
 /// branches, for the compiler to vectorise. Grey levels are less the group's first one: sums of squares stay small.
 void fill_batch(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& v, const OutlineState& state,
-                std::int32_t begin, int used, float slope_scale, Batch& batch) noexcept {
+                std::int32_t begin, int used, Batch& batch) noexcept {
   const auto first = static_cast<std::size_t>(group.first);
-  Lanes ray_x{}, ray_y{}, x_px{}, y_px{}, grey{}, there{};
+  Lanes ray_x{}, ray_y{}, x_px{}, y_px{}, grey{}, there{}, per_sigma;
   for (int l = 0; l < used; ++l) {
     const auto at = first + static_cast<std::size_t>(begin + l);
     const auto lane = static_cast<std::size_t>(l);
@@ -138,24 +158,22 @@ void fill_batch(const OutlinePixels& pixels, const OutlineGroup& group, const Do
     const float wanted = blur + blur_cos * c2 + blur_sin * s2;
     const float variance = wanted > 0.1F ? wanted : 0.1F;
     const float sigma = std::sqrt(variance);
-    // A blurred disc's half-level outline shrinks by s^2 / (2 radius of curvature); inside, no more than at the rim.
+    // A Gaussian blur along the outline reaches over its bend: with the curvature k in units of the blur, the edge is
+    // met by t^2 k / 2 + t^4 k^3 / 8 earlier at t along the tangent, t normal; of that the mean and the variance count.
     const float area = v.det_F * depth * depth * depth * v.det_N;
-    const float inner = 0.7F * v.radius_m;
-    const float curvature = area * area / ((rho > inner ? rho : inner) * slope * slope2);
-    const float bend = curvature < 1 / sigma ? curvature : 1 / sigma;
-    const float z = ((rho - v.radius_m) / slope + 0.5F * variance * bend - offset) / sigma;
+    const float bent = sigma * area * area / (v.radius_m * slope * slope2);
+    const float k1 = bent < 1 ? bent : 1;
+    const float k2 = 0.5F * k1 * k1;
+    const float narrowing = 1 / std::sqrt(1 + k2);
+    const float straight = ((rho - v.radius_m) / slope - offset) / sigma;
+    const float met = straight + k1 * (0.5F + 0.75F * k2);
+    const float z = met * narrowing;
 
-    // 1 - Phi(z): Abramowitz & Stegun, "Handbook of Mathematical Functions", 26.2.17; error below 7.5e-8.
-    const float magnitude = z > 0 ? z : -z;
-    const float density = 0.39894228F * exp_of_negative(-0.5F * z * z);
-    const float k = 1 / (1 + 0.2316419F * magnitude);
-    const float tail =
-        density * k *
-        (0.319381530F + k * (-0.356563782F + k * (1.781477937F + k * (-1.821255978F + k * 1.330274429F))));
+    const auto [density, tail] = normal_tail(z);
     const float ink = (z > 0 ? tail : 1 - tail) * there[l];
     const float paper = there[l] - ink;
 
-    const float brighter = density / sigma * there[l];  // per px outwards, for contrast 1
+    const float brighter = density * narrowing / sigma * there[l];  // per px outwards, for contrast 1
     const float per_move = -brighter / slope, per_turn = per_move * kPerLever;
     const float ax = depth * mx - v.t.x(), ay = depth * my - v.t.y(), az = depth - v.t.z();
     batch[0][l] = (ay * hz - az * hy) * per_turn;
@@ -165,15 +183,38 @@ void fill_batch(const OutlinePixels& pixels, const OutlineGroup& group, const Do
     batch[4][l] = hy * per_move;
     batch[5][l] = hz * per_move;
     batch[6][l] = -brighter;
-    const float wider = brighter * (0.5F * bend - z / (2 * sigma));  // per px^2 of variance
+    const float wider =
+        brighter / (2 * sigma) *
+        (k1 * (0.5F + 2.25F * k2) - straight - met * k2 * narrowing * narrowing);  // per px^2 of variance
     batch[7][l] = wider;
     batch[8][l] = wider * c2;
     batch[9][l] = wider * s2;
     batch[kGrey][l] = grey[l];
-    batch[kOwn][l] = paper;
-    batch[kOwn + 1][l] = ink;
-    batch[kOwn + 2][l] = paper * slope_scale * (x_px[l] - group.centre_x_px);
-    batch[kOwn + 3][l] = paper * slope_scale * (y_px[l] - group.centre_y_px);
+    batch[kPaper][l] = paper;
+    batch[kInk][l] = ink;
+    batch[kSlopeX][l] = paper * kSlopeUnit * (x_px[l] - group.centre_x_px);
+    batch[kSlopeY][l] = paper * kSlopeUnit * (y_px[l] - group.centre_y_px);
+    per_sigma[l] = 1 / sigma;
+  }
+  batch[kBeyond] = Lanes{};
+  if (!group.at_paper_edge) return;
+  // The paper's edge is blurred as the outline is. It is taken as straight, square to the radius through the dot.
+  const float ox = v.outward.x(), oz = v.outward.y();
+  const float gx = ox * v.rX.x() + oz * v.rZ.x(), gy = ox * v.rX.y() + oz * v.rZ.y(),
+              gz = ox * v.rX.z() + oz * v.rZ.z();
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const float mx = ray_x[l], my = ray_y[l];
+    const float depth = 1 / (v.F(2, 0) * mx + v.F(2, 1) * my + v.F(2, 2));
+    const float X = (v.F(0, 0) * mx + v.F(0, 1) * my + v.F(0, 2)) * depth;
+    const float Z = (v.F(1, 0) * mx + v.F(1, 1) * my + v.F(1, 2)) * depth;
+    const float along = (gx * mx + gy * my + gz) / (v.n.x() * mx + v.n.y() * my + v.n.z());
+    const float hx = gx - v.n.x() * along, hy = gy - v.n.y() * along;
+    const float gradient_x = depth * (v.N(0, 0) * hx + v.N(1, 0) * hy),
+                gradient_y = depth * (v.N(0, 1) * hx + v.N(1, 1) * hy);
+    const float slope = std::sqrt(gradient_x * gradient_x + gradient_y * gradient_y);
+    const float z = (X * ox + Z * oz - v.paper_radius_m) / slope * per_sigma[l];
+    const float tail = normal_tail(z).tail;
+    batch[kBeyond][l] = (z > 0 ? 1 - tail : tail) * there[l];
   }
 }
 
@@ -196,33 +237,31 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
                const OutlineState& state, bool with_normal, GroupFit& fit) noexcept {
   fit.usable = false;
   const std::int32_t count = group.count;
-  const int own = group.whole_dot ? 4 : 2;
-  fit.degrees_of_freedom = count - own;
+  const int own = group.whole_dot ? 5 : group.at_paper_edge ? 3 : 2;
+  fit.degrees_of_freedom = count - 2 - (group.whole_dot ? 2 : 0) - (group.at_paper_edge ? 1 : 0);
   if (fit.degrees_of_freedom < 4) return;
   const DotView v = view_of(pixels, landmark, state.T_camera_landmark, group.dot);
 
   Products products;
   alignas(16) Batch batch{};
-  const float paper_width = own > 2 ? 0.1F : 0;
   for (std::int32_t i = 0; i < count; i += kLanes) {
-    fill_batch(pixels, group, v, state, i, std::min(kLanes, count - i), paper_width, batch);
+    fill_batch(pixels, group, v, state, i, std::min(kLanes, count - i), batch);
     products.add(batch, kOwn + own);
   }
 
-  Eigen::Matrix4d BB;
-  Eigen::Vector4d By;
+  OwnMatrix BB;
+  OwnVector By;
   for (int i = 0; i < kMaxOwn; ++i) {
     By(i) = products(kOwn + i, kGrey);
     for (int j = 0; j < kMaxOwn; ++j) BB(i, j) = products(kOwn + i, kOwn + j);
   }
   const float grey = pixels.luma[static_cast<std::size_t>(group.first)];
   if (BB(0, 0) < 0.5 || BB(1, 1) < 0.3) return;  // nothing but paper, or nothing but ink, in sight
-  // Slopes that the pixels say nothing of stay zero.
+  // What the pixels say nothing of stays zero.
   constexpr double kLeast = 1e-3;
-  BB(2, 2) += own > 2 ? kLeast : 1;
-  BB(3, 3) += own > 2 ? kLeast : 1;
-  const Eigen::LDLT<Eigen::Matrix4d> ldlt(BB);
-  const Eigen::Vector4d theta = ldlt.solve(By);
+  for (int i = 2; i < kMaxOwn; ++i) BB(i, i) += i < own ? kLeast : 1;
+  const Eigen::LDLT<OwnMatrix> ldlt(BB);
+  const OwnVector theta = ldlt.solve(By);
   fit.paper_lsb = theta(0) + static_cast<double>(grey);
   fit.contrast_lsb = theta(0) - theta(1);
   fit.squared_residuals = std::max(products(kGrey, kGrey) - By.dot(theta), 0.0);
@@ -236,7 +275,8 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
     for (int j = 0; j < kUnknowns; ++j) fit.normal(i, j) = products(i, j);
   }
   fit.gradient *= fit.contrast_lsb;
-  fit.normal -= JB * ldlt.solve(JB.transpose());
+  const Eigen::Matrix<double, kMaxOwn, kUnknowns> solved = ldlt.solve(JB.transpose());
+  fit.normal -= JB.lazyProduct(solved);
   fit.normal *= fit.contrast_lsb * fit.contrast_lsb;
   fit.shift_information = fit.normal(6, 6);
   fit.usable = fit.shift_information > 0;

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kWholeDotBelow_px = 7.0;  // semi-minor axis; larger dots are cut into stretches of kSector_px
 constexpr double kSector_px = 12.0;
+constexpr double kBlurReach_px = 2.0;   // beyond the band, from where an edge still changes the band's outermost pixels
 constexpr double kSplitAbove_px = 2.0;  // semi-minor axis; an eighth of a smaller outline is less than two pixels
 
 /// One dot's outline in the picture, as an ellipse.
@@ -99,7 +100,7 @@ namespace {
 
 /// Appends one dot's pixels, sorted into its sectors. \return false when they do not fit
 bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e, std::uint8_t dot, double band_px,
-                int thin, bool split, OutlinePixels& out) noexcept {
+                int thin, bool split, bool at_paper_edge, OutlinePixels& out) noexcept {
   const bool small = e.semi_minor_px < kWholeDotBelow_px;
   const bool whole = small && !(split && e.semi_minor_px > kSplitAbove_px);
   const double length_px = std::numbers::pi * (e.semi_major_px + e.semi_minor_px);
@@ -163,6 +164,7 @@ bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e
     group.count = next[s] - starts[s];
     group.dot = dot;
     group.whole_dot = whole;
+    group.at_paper_edge = at_paper_edge;
     if (group.count < 8) continue;
     double sum_x = 0, sum_y = 0;
     for (std::int32_t i = group.first; i < next[s]; ++i)
@@ -199,7 +201,11 @@ void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, co
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     if (!in_front[dot]) continue;
     const std::size_t before = out.groups.size();
-    if (!append_dot(luma, rays, ellipses[dot], static_cast<std::uint8_t>(dot), band_px, thin, split[dot], out)) return;
+    const double white_px = ellipses[dot].semi_minor_px * LandmarkGeometry::kWhite_radii;
+    const bool at_paper_edge = dot != kCentreDot && white_px < band_px + kBlurReach_px;
+    if (!append_dot(luma, rays, ellipses[dot], static_cast<std::uint8_t>(dot), band_px, thin, split[dot], at_paper_edge,
+                    out))
+      return;
     out.visible_outlines += out.groups.size() > before;
   }
 }

@@ -21,6 +21,7 @@ struct OutlineGroup {
   std::int32_t count = 0;
   std::uint8_t dot = 0;  ///< 0..7 = P1..P8, 8 = P9
   bool whole_dot = false;
+  bool at_paper_edge = false;              ///< what lies beyond the sheet's white may reach into it
   float centre_x_px = 0, centre_y_px = 0;  ///< of its pixels
 };
 
