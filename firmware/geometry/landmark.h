@@ -2,7 +2,6 @@
 /// The nine-dot landmark: eight equal dots P1..P8 on a circle around P9.
 #include <Eigen/Core>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <numbers>
 
@@ -30,8 +29,9 @@ struct LandmarkGeometry {
   /// left).
   Eigen::Vector2d centre_m(std::size_t dot) const noexcept {
     if (dot == kCentreDot) return Eigen::Vector2d::Zero();
-    const double a_rad = static_cast<double>(dot) * std::numbers::pi / 4;
-    return ring_radius_m * Eigen::Vector2d(std::sin(a_rad), -std::cos(a_rad));
+    constexpr double kDiagonal = std::numbers::sqrt2 / 2;
+    constexpr std::array<double, kRingDotCount> kSine{0, kDiagonal, 1, kDiagonal, 0, -kDiagonal, -1, -kDiagonal};
+    return ring_radius_m * Eigen::Vector2d(kSine[dot], -kSine[(dot + 2) % kRingDotCount]);
   }
 };
 

@@ -61,9 +61,7 @@ Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
 
 Result<PoseEstimate> Localiser::solve(const ImageView& luma, const PoseEstimate* previous) noexcept {
   Result<PoseEstimate> pose =
-      options_.solver == Solver::kFull
-          ? full_.solve(luma, seen_, previous != nullptr ? &previous->T_landmark_camera : nullptr)
-          : ellipse_.solve(seen_);
+      options_.solver == Solver::kFull ? full_.solve(luma, seen_, previous) : ellipse_.solve(seen_);
   if (pose && !is_publishable(*pose)) return fail(Errc::kPoseDegenerate, "the pose or its covariance is not finite");
   return pose;
 }

@@ -19,10 +19,12 @@ class FullSolver {
   FullSolver& operator=(const FullSolver&) = delete;
 
   /// \param luma  the picture that `seen` was found in
-  /// \param previous  the pose of the frame before, for continuity between the two planar solutions; may be null
+  /// \param previous  what the frame before gave, when the landmark was followed from there; else null. Tells the two
+  ///        planar solutions apart where the picture can't; one that the track has excluded is not refined again, and
+  ///        the ambiguity stays as it was.
   /// \error kPoseDegenerate: what is visible does not determine a pose
   Result<PoseEstimate> solve(const ImageView& luma, const LandmarkObservation& seen,
-                             const Transform<frame::Landmark, frame::Camera>* previous) noexcept;
+                             const PoseEstimate* previous) noexcept;
 
  private:
   struct Workspace;

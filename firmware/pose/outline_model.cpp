@@ -1,6 +1,5 @@
 #include "pose/outline_model.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -34,18 +33,17 @@ constexpr float kSlopeUnit = 0.1F;  // makes the slopes' columns as large as the
 constexpr int kLanes = 8;  // pixels at a time: loops over lanes become vector instructions
 using Lanes = std::array<float, kLanes>;
 using Batch = std::array<Lanes, kColumns>;
-using OwnMatrix = Eigen::Matrix<double, kMaxOwn, kMaxOwn>;
-using OwnVector = Eigen::Matrix<double, kMaxOwn, 1>;
 
 /// Sums of products of all columns: everything that a step needs, in one pass.
 class Products {
  public:
-  void add(const Batch& batch, int columns) noexcept {
-    std::size_t pair = 0;
-    for (int i = 0; i < columns; ++i) {
+  /// Adds the products of the columns [first, end) with each other.
+  void add(const Batch& batch, int first, int end) noexcept {
+    for (int i = first; i < end; ++i) {
+      std::size_t pair = static_cast<std::size_t>(i * (i + 1) / 2 + first);
       const float* a = batch[static_cast<std::size_t>(i)].data();
       const cv::v_float32x4 a0 = cv::v_load_aligned(a), a1 = cv::v_load_aligned(a + 4);
-      for (int j = 0; j <= i; ++j, ++pair) {
+      for (int j = first; j <= i; ++j, ++pair) {
         const float* b = batch[static_cast<std::size_t>(j)].data();
         float* to = sum_[pair].data();
         cv::v_float32x4 s = cv::v_muladd(a0, cv::v_load_aligned(b), cv::v_load_aligned(to));
@@ -54,9 +52,9 @@ class Products {
       }
     }
   }
-  double operator()(int i, int j) const noexcept {
-    const int row = std::max(i, j);
-    const auto& s = sum_[static_cast<std::size_t>(row * (row + 1) / 2 + std::min(i, j))];
+  /// \param i  at least j
+  double operator()(std::size_t i, std::size_t j) const noexcept {
+    const auto& s = sum_[i * (i + 1) / 2 + j];
     return static_cast<double>((s[0] + s[1]) + (s[2] + s[3]));
   }
 
@@ -121,18 +119,23 @@ DotView view_of(const OutlinePixels& pixels, const LandmarkGeometry& landmark, c
 /// branches, for the compiler to vectorise. Grey levels are less the group's first one: sums of squares stay small.
 void fill_batch(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& v, const OutlineState& state,
                 std::int32_t begin, int used, Batch& batch) noexcept {
-  const auto first = static_cast<std::size_t>(group.first);
-  Lanes ray_x{}, ray_y{}, x_px{}, y_px{}, grey{}, there{}, per_sigma;
-  for (int l = 0; l < used; ++l) {
-    const auto at = first + static_cast<std::size_t>(begin + l);
-    const auto lane = static_cast<std::size_t>(l);
-    ray_x[lane] = pixels.ray_x[at], ray_y[lane] = pixels.ray_y[at];
-    x_px[lane] = pixels.x_px[at], y_px[lane] = pixels.y_px[at];
-    grey[lane] = pixels.luma[at] - pixels.luma[first];
-    there[lane] = 1;
-  }
-  for (int l = used; l < kLanes; ++l)
-    ray_x[static_cast<std::size_t>(l)] = ray_x[0], ray_y[static_cast<std::size_t>(l)] = ray_y[0];
+  const auto first = static_cast<std::size_t>(group.first), at = first + static_cast<std::size_t>(begin);
+  // Unused lanes repeat the first pixel; `there` takes them out.
+  const auto load = [&](const std::vector<float>& from) {
+    Lanes lanes;
+    if (used == kLanes) {
+      std::copy_n(&from[at], kLanes, lanes.begin());
+    } else {
+      lanes.fill(from[at]);
+      std::copy_n(&from[at], used, lanes.begin());
+    }
+    return lanes;
+  };
+  const Lanes ray_x = load(pixels.ray_x), ray_y = load(pixels.ray_y);
+  const Lanes x_px = load(pixels.x_px), y_px = load(pixels.y_px);
+  const Lanes luma = load(pixels.luma);
+  Lanes there, per_sigma;
+  for (int l = 0; l < kLanes; ++l) there[static_cast<std::size_t>(l)] = l < used ? 1 : 0;
 
   const auto blur = static_cast<float>(state.blur_px2);
   const auto blur_cos = static_cast<float>(state.blur_cos_px2), blur_sin = static_cast<float>(state.blur_sin_px2);
@@ -189,7 +192,7 @@ void fill_batch(const OutlinePixels& pixels, const OutlineGroup& group, const Do
     batch[7][l] = wider;
     batch[8][l] = wider * c2;
     batch[9][l] = wider * s2;
-    batch[kGrey][l] = grey[l];
+    batch[kGrey][l] = (luma[l] - pixels.luma[first]) * there[l];
     batch[kPaper][l] = paper;
     batch[kInk][l] = ink;
     batch[kSlopeX][l] = paper * kSlopeUnit * (x_px[l] - group.centre_x_px);
@@ -246,38 +249,46 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
   alignas(16) Batch batch{};
   for (std::int32_t i = 0; i < count; i += kLanes) {
     fill_batch(pixels, group, v, state, i, std::min(kLanes, count - i), batch);
-    products.add(batch, kOwn + own);
+    products.add(batch, with_normal ? 0 : kGrey, kOwn + own);
   }
 
-  OwnMatrix BB;
-  OwnVector By;
-  for (int i = 0; i < kMaxOwn; ++i) {
-    By(i) = products(kOwn + i, kGrey);
-    for (int j = 0; j < kMaxOwn; ++j) BB(i, j) = products(kOwn + i, kOwn + j);
+  if (products(kPaper, kPaper) < 0.5 || products(kInk, kInk) < 0.3) return;  // nothing but ink, or paper, in sight
+
+  // Elimination of the group's own unknowns, column by column: what is left among the others is what they say once the
+  // group's light is fitted as well as it can be. Only the lower triangle is kept.
+  std::array<std::array<double, kColumns>, kColumns> S;
+  const auto first = static_cast<std::size_t>(with_normal ? 0 : kGrey), end = static_cast<std::size_t>(kOwn + own);
+  for (std::size_t i = first; i < end; ++i)
+    for (std::size_t j = first; j <= i; ++j) S[i][j] = products(i, j);
+  constexpr double kLeast = 1e-3;  // what the pixels say nothing of stays zero
+  for (std::size_t i = kInk + 1; i < end; ++i) S[i][i] += kLeast;
+  double ink_lsb = 0, paper_lsb = 0, ink_per_paper = 0;
+  for (std::size_t k = end - 1; k >= kPaper; --k) {
+    if (!(S[k][k] > 0)) return;
+    const double inverse = 1 / S[k][k];
+    if (k == kInk) ink_lsb = S[k][kGrey] * inverse, ink_per_paper = S[k][kPaper] * inverse;
+    if (k == kPaper) paper_lsb = S[k][kGrey] * inverse;
+    for (std::size_t i = first; i < k; ++i) {
+      const double factor = S[k][i] * inverse;
+      for (std::size_t j = first; j <= i; ++j) S[i][j] -= factor * S[k][j];
+    }
   }
-  const float grey = pixels.luma[static_cast<std::size_t>(group.first)];
-  if (BB(0, 0) < 0.5 || BB(1, 1) < 0.3) return;  // nothing but paper, or nothing but ink, in sight
-  // What the pixels say nothing of stays zero.
-  constexpr double kLeast = 1e-3;
-  for (int i = 2; i < kMaxOwn; ++i) BB(i, i) += i < own ? kLeast : 1;
-  const Eigen::LDLT<OwnMatrix> ldlt(BB);
-  const OwnVector theta = ldlt.solve(By);
-  fit.paper_lsb = theta(0) + static_cast<double>(grey);
-  fit.contrast_lsb = theta(0) - theta(1);
-  fit.squared_residuals = std::max(products(kGrey, kGrey) - By.dot(theta), 0.0);
+  ink_lsb -= ink_per_paper * paper_lsb;
+  fit.paper_lsb = paper_lsb + static_cast<double>(pixels.luma[static_cast<std::size_t>(group.first)]);
+  fit.contrast_lsb = paper_lsb - ink_lsb;
+  fit.squared_residuals = std::max(S[kGrey][kGrey], 0.0);
   fit.usable = std::isfinite(fit.squared_residuals);
   if (!with_normal || !fit.usable) return;
 
-  Eigen::Matrix<double, kUnknowns, kMaxOwn> JB;
-  for (int i = 0; i < kUnknowns; ++i) {
-    for (int j = 0; j < kMaxOwn; ++j) JB(i, j) = products(i, kOwn + j);
-    fit.gradient(i) = products(i, kGrey) - JB.row(i).dot(theta);
-    for (int j = 0; j < kUnknowns; ++j) fit.normal(i, j) = products(i, j);
+  const double contrast2 = fit.contrast_lsb * fit.contrast_lsb;
+  for (std::size_t i = 0; i < kUnknowns; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    fit.gradient(row) = S[kGrey][i] * fit.contrast_lsb;
+    for (std::size_t j = 0; j <= i; ++j) {
+      const auto column = static_cast<Eigen::Index>(j);
+      fit.normal(row, column) = fit.normal(column, row) = S[i][j] * contrast2;
+    }
   }
-  fit.gradient *= fit.contrast_lsb;
-  const Eigen::Matrix<double, kMaxOwn, kUnknowns> solved = ldlt.solve(JB.transpose());
-  fit.normal -= JB.lazyProduct(solved);
-  fit.normal *= fit.contrast_lsb * fit.contrast_lsb;
   fit.shift_information = fit.normal(6, 6);
   fit.usable = fit.shift_information > 0;
   fit.shift_px = fit.usable ? fit.gradient(6) / fit.shift_information : 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "base/contract.h"
 
@@ -60,15 +61,17 @@ bool row_span(const DotEllipse& e, double y_px, double factor, double& x0, doubl
   return true;
 }
 
-struct Candidate {
-  std::int16_t x, y;
-  std::uint8_t sector;
-};
+/// 0 .. 1 once around, growing with the angle of (x, y), though not evenly: within a third of it.
+double turn_of(double x, double y) noexcept {
+  const double sum = std::abs(x) + std::abs(y);
+  const double along = sum > 0 ? y / sum : 0;
+  return x < 0 ? 0.5 - 0.25 * along : along < 0 ? 1 + 0.25 * along : 0.25 * along;
+}
 
 }  // namespace
 
 OutlinePixels::OutlinePixels(std::size_t capacity)
-    : x_px(capacity), y_px(capacity), ray_x(capacity), ray_y(capacity), luma(capacity) {}
+    : x_px(capacity), y_px(capacity), ray_x(capacity), ray_y(capacity), luma(capacity), candidates(capacity) {}
 
 RayTable::RayTable(const CameraModel& camera) : camera_(camera) {
   if (!camera.has_distortion()) return;
@@ -112,52 +115,49 @@ bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e
   const double inner = 1 - band_px / e.semi_minor_px;
   const double reach_px = e.semi_major_px * outer + 1;
 
-  // Two passes over the same rows: count per sector, then write each sector's pixels in one stretch.
   std::array<std::int32_t, kMaxSectors> counts{}, next{};
-  const auto visit = [&](auto&& use) {
-    const int y0 = std::max(0, static_cast<int>(std::ceil(e.centre_px.y() - reach_px)));
-    const int y1 = std::min(luma.height_px - 1, static_cast<int>(std::floor(e.centre_px.y() + reach_px)));
-    for (int y = y0; y <= y1; ++y) {
-      double x0, x1, hole0 = 0, hole1 = -1;
-      if (!row_span(e, y, outer, x0, x1)) continue;
-      const bool hole = inner > 0 && row_span(e, y, inner, hole0, hole1);
-      const int first = std::max(0, static_cast<int>(std::ceil(x0)));
-      const int last = std::min(luma.width_px - 1, static_cast<int>(std::floor(x1)));
-      for (int x = first; x <= last; ++x) {
-        if (hole && x > hole0 && x < hole1) {
-          x = static_cast<int>(std::floor(hole1));
-          continue;
-        }
-        if (thin > 1 && (x + 2 * y) % thin != 0) continue;
-        const Eigen::Vector2d q = e.circle_from_px * Eigen::Vector2d(x - e.centre_px.x(), y - e.centre_px.y());
-        const double radius = q.norm();
-        if (!whole) {
-          // Distance to the outline to first order: (|q| - 1) over the length of its gradient.
-          const double slope = (e.circle_from_px.transpose() * q).norm() / std::max(radius, 1e-9);
-          if (std::abs(radius - 1) > band_px * slope) continue;
-        }
-        std::size_t sector = 0;
-        if (!whole) {
-          const double turn = std::atan2(q.y(), q.x()) / (2 * std::numbers::pi) + 0.5;
-          sector = std::min(sectors - 1, static_cast<std::size_t>(turn * static_cast<double>(sectors)));
-        }
-        use(x, y, sector);
+  std::size_t total = 0;
+  const int y0 = std::max(0, static_cast<int>(std::ceil(e.centre_px.y() - reach_px)));
+  const int y1 = std::min(luma.height_px - 1, static_cast<int>(std::floor(e.centre_px.y() + reach_px)));
+  for (int y = y0; y <= y1; ++y) {
+    double x0, x1, hole0 = 0, hole1 = -1;
+    if (!row_span(e, y, outer, x0, x1)) continue;
+    const bool hole = inner > 0 && row_span(e, y, inner, hole0, hole1);
+    const int first = std::max(0, static_cast<int>(std::ceil(x0)));
+    const int last = std::min(luma.width_px - 1, static_cast<int>(std::floor(x1)));
+    for (int x = first; x <= last; ++x) {
+      if (hole && x > hole0 && x < hole1) {
+        x = static_cast<int>(std::floor(hole1));
+        continue;
       }
+      if (thin > 1 && (x + 2 * y) % thin != 0) continue;
+      std::size_t sector = 0;
+      if (!whole) {
+        const Eigen::Vector2d q = e.circle_from_px * Eigen::Vector2d(x - e.centre_px.x(), y - e.centre_px.y());
+        // Distance to the outline to first order: (|q| - 1) over the length of its gradient, |M^T q| / |q|.
+        const double radius2 = q.squaredNorm(), radius = std::sqrt(radius2);
+        const double outside = radius2 - radius;
+        if (outside * outside > band_px * band_px * (e.circle_from_px.transpose() * q).squaredNorm()) continue;
+        sector = std::min(sectors - 1, static_cast<std::size_t>(turn_of(q.x(), q.y()) * static_cast<double>(sectors)));
+      }
+      if (out.count + total == out.luma.size()) return false;
+      out.candidates[total++] = {static_cast<std::int16_t>(x), static_cast<std::int16_t>(y),
+                                 static_cast<std::uint8_t>(sector)};
+      ++counts[sector];
     }
-  };
-  visit([&](int, int, std::size_t sector) { ++counts[sector]; });
-  std::int32_t total = 0;
-  for (std::size_t s = 0; s < sectors; ++s) next[s] = static_cast<std::int32_t>(out.count) + total, total += counts[s];
-  if (out.count + static_cast<std::size_t>(total) > out.luma.size()) return false;
+  }
+  // Sorted by sector, so that each group is one stretch.
+  next[0] = static_cast<std::int32_t>(out.count);
+  for (std::size_t s = 1; s < sectors; ++s) next[s] = next[s - 1] + counts[s - 1];
   const auto starts = next;
-  visit([&](int x, int y, std::size_t sector) {
+  for (const OutlinePixels::Candidate& c : std::span(out.candidates).first(total)) {
     float ray_x, ray_y;
-    if (!rays.ray(x, y, ray_x, ray_y)) return;
-    const auto i = static_cast<std::size_t>(next[sector]++);
-    out.x_px[i] = static_cast<float>(x), out.y_px[i] = static_cast<float>(y);
+    if (!rays.ray(c.x, c.y, ray_x, ray_y)) continue;
+    const auto i = static_cast<std::size_t>(next[c.sector]++);
+    out.x_px[i] = static_cast<float>(c.x), out.y_px[i] = static_cast<float>(c.y);
     out.ray_x[i] = ray_x, out.ray_y[i] = ray_y;
-    out.luma[i] = luma.at(x, y);
-  });
+    out.luma[i] = luma.at(c.x, c.y);
+  }
   for (std::size_t s = 0; s < sectors; ++s) {
     OutlineGroup group;
     group.first = starts[s];
@@ -173,7 +173,7 @@ bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e
     group.centre_y_px = static_cast<float>(sum_y / group.count);
     if (!out.groups.try_push_back(group)) return false;
   }
-  out.count += static_cast<std::size_t>(total);
+  out.count += total;
   return true;
 }
 

@@ -36,6 +36,12 @@ struct OutlinePixels {
   InlineVector<OutlineGroup, kMaxGroups> groups;
   /// d(normalised)/d(pixel) at each dot's centre.
   std::array<Eigen::Matrix2d, kDotCount> normalised_per_px;
+  /// A dot's pixels before they are sorted into its groups.
+  struct Candidate {
+    std::int16_t x, y;
+    std::uint8_t sector;
+  };
+  std::vector<Candidate> candidates;
   int visible_outlines = 0;  ///< dots of which at least a part lies inside the picture
 };
 

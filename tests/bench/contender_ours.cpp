@@ -41,7 +41,7 @@ class Tracking final : public Contender {
     if (!known_) return std::nullopt;
     const auto seen = detector_.find_landmark_near(luma, seen_);
     if (!seen) return std::nullopt;
-    const auto pose = solver_.solve(luma, *seen, &pose_.T_landmark_camera);
+    const auto pose = solver_.solve(luma, *seen, &pose_);
     if (!pose) return std::nullopt;
     seen_ = *seen, pose_ = *pose;
     return pose_.T_landmark_camera.translation_m;
