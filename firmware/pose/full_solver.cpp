@@ -20,10 +20,11 @@ constexpr std::size_t kMinCentroids = 5;  // for a start from centroids
 constexpr double kDecisive = 60;          // difference of chi^2 above which the other solution is not even refined
 constexpr double kUndecided = 9;          // and below which the picture can't tell (3 sigma)
 constexpr double kSamePose_rad = 0.005;   // two solutions closer than this are one
-constexpr double kSettled = 1e-4;         // ambiguity of a track whose other solution need not be refined again
-constexpr double kApart_rad = 0.17;       // the two solutions' angle from which a track tells them apart
-constexpr double kCloseStart_px = 0.4;    // residual of centroids that a track may start from at once
-constexpr double kMinGroupShare = 0.3;    // of a dot's groups, to count it as used
+constexpr double kSettled = 1e-4;         // ambiguity of a track that has told the two solutions apart,
+constexpr double kSettledDifference = 18.4;  // the difference of chi^2 that belongs to it
+constexpr double kApart_rad = 0.17;          // the two solutions' angle from which a track tells them apart
+constexpr double kCloseStart_px = 0.4;       // residual of centroids that a track may start from at once
+constexpr double kMinGroupShare = 0.3;       // of a dot's groups, to count it as used
 
 double angle_between(const CameraFromLandmark& a, const CameraFromLandmark& b) noexcept {
   return log_so3(a.rotation.transpose() * b.rotation).norm();
@@ -40,6 +41,8 @@ struct FullSolver::Workspace {
 
   Result<PlanarPoses> start_from_centroids(const LandmarkObservation& seen) const noexcept;
   double centroids_against(const PlanarPoses& starts, const LandmarkObservation& seen) const noexcept;
+  CameraFromLandmark other_solution(const CameraFromLandmark& T) const noexcept;
+  double choose(OutlineRefiner*& best, OutlineRefiner*& other, const PoseEstimate* previous) const noexcept;
   PoseEstimate conclude(const OutlineRefiner& best, double ambiguity) const noexcept;
 
   CameraModel camera;
@@ -76,6 +79,36 @@ double FullSolver::Workspace::centroids_against(const PlanarPoses& starts,
   const double sigma_px = std::max(kCentroidSigma_px, starts[0].rms * camera.fx_px);
   const double scale = camera.fx_px / sigma_px;
   return 2 * seen.seen_count * (std::pow(starts[1].rms * scale, 2) - std::pow(starts[0].rms * scale, 2));
+}
+
+/// The pose from which the dots' centres look most like those of `T`, on the other side of the sheet's normal.
+CameraFromLandmark FullSolver::Workspace::other_solution(const CameraFromLandmark& T) const noexcept {
+  InlineVector<PlanePoint, kDotCount> points;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    const Eigen::Vector2d C = landmark.centre_m(dot);
+    (void)points.try_push_back({C, (T * Eigen::Vector3d(C.x(), 0, C.y())).hnormalized()});
+  }
+  const auto poses = solve_planar_pose(points.span());
+  if (!poses) return T;
+  const CameraFromLandmark &a = (*poses)[0].T_camera_landmark, &b = (*poses)[1].T_camera_landmark;
+  return angle_between(a, T) > angle_between(b, T) ? a : b;
+}
+
+/// Makes `best` the better of two refined solutions. \return the ambiguity
+double FullSolver::Workspace::choose(OutlineRefiner*& best, OutlineRefiner*& other,
+                                     const PoseEstimate* previous) const noexcept {
+  if (angle_between(best->state().T_camera_landmark, other->state().T_camera_landmark) < kSamePose_rad) return 0;
+  // Half of the difference from the pixels of either: neither's choice of pixels and weights decides.
+  const double better_by = 0.5 * (best->chi2_above(other->state()) - other->chi2_above(best->state()));
+  bool other_wins = better_by < 0;
+  if (previous != nullptr && std::abs(better_by) < kUndecided) {
+    const auto turn = [&](const OutlineRefiner& r) {
+      return log_so3(previous->T_landmark_camera.rotation * r.state().T_camera_landmark.rotation).norm();
+    };
+    other_wins = turn(*other) < turn(*best);
+  }
+  if (other_wins) std::swap(best, other);
+  return std::exp(-0.5 * std::abs(better_by));
 }
 
 PoseEstimate FullSolver::Workspace::conclude(const OutlineRefiner& best, double ambiguity) const noexcept {
@@ -124,62 +157,39 @@ Result<PoseEstimate> FullSolver::solve(const ImageView& luma, const LandmarkObse
                                        const PoseEstimate* previous) noexcept {
   Workspace& w = *workspace_;
   NINEDOT_TRY(PlanarPoses starts, w.start_from_centroids(seen));
+  const auto turn_since = [&](const CameraFromLandmark& T) {
+    return log_so3(previous->T_landmark_camera.rotation * T.rotation).norm();
+  };
   const double apart_rad = angle_between(starts[0].T_camera_landmark, starts[1].T_camera_landmark);
   const double coarse = w.centroids_against(starts, seen);
-  bool try_both = apart_rad >= kSamePose_rad && coarse < kDecisive;
-  double ambiguity = apart_rad < kSamePose_rad ? 0 : std::exp(-0.5 * std::max(coarse, 0.0));
+  const bool undecided = apart_rad >= kSamePose_rad && coarse < kDecisive;
+  // A track that has told the two solutions apart begins with the one that it is in, and needs less to stay in it.
+  const bool settled = previous != nullptr && previous->ambiguity < kSettled && apart_rad > kApart_rad;
+  if (undecided && settled && turn_since(starts[1].T_camera_landmark) < turn_since(starts[0].T_camera_landmark))
+    std::swap(starts[0], starts[1]);
 
-  OutlineState start;
-  auto quality = OutlineRefiner::Start::kRough;
-  bool settled = false;
-  if (previous != nullptr) {
-    const auto turn = [&](const PlanarPose& pose) {
-      return log_so3(previous->T_landmark_camera.rotation * pose.T_camera_landmark.rotation).norm();
-    };
-    if (try_both && apart_rad > kApart_rad && previous->ambiguity < kSettled) {
-      // A track that has told the two solutions apart goes on in the one that it is in.
-      if (turn(starts[1]) < turn(starts[0])) std::swap(starts[0], starts[1]);
-      settled = turn(starts[0]) < 0.25 * apart_rad;
-    }
-    start = w.last;
-    if (seen.seen_count >= static_cast<int>(kMinCentroids) && starts[0].rms * w.camera.fx_px < kCloseStart_px)
-      quality = OutlineRefiner::Start::kClose;
-  }
-
-  OutlineRefiner* best = &w.refiners[0];
+  OutlineState start = previous != nullptr ? w.last : OutlineState{};
   start.T_camera_landmark = starts[0].T_camera_landmark;
-  bool ok = best->refine(luma, start, quality);
-  if (settled && ok) {
-    // The landmark may have jumped. Unrefined, the wrong solution is worse by hundreds, the right one no worse at all.
-    OutlineState glance = best->state();
-    glance.T_camera_landmark = starts[1].T_camera_landmark;
-    if (best->chi2_above(glance) > kDecisive) {
-      try_both = false;
-      ambiguity = previous->ambiguity;
-    }
-  }
-  if (try_both) {
-    OutlineRefiner* other = &w.refiners[1];
-    start.T_camera_landmark = starts[1].T_camera_landmark;
-    const bool other_ok = other->refine(luma, start, quality);
-    if (other_ok && !ok) {
-      std::swap(best, other);
-      ok = true;
-      ambiguity = 0;
-    } else if (other_ok && ok) {
-      // Each on its own pixels, half of the difference from either: neither's choice of pixels and weights decides.
-      const double better_by = 0.5 * (best->chi2_above(other->state()) - other->chi2_above(best->state()));
-      bool other_wins = better_by < 0;
-      if (previous != nullptr && std::abs(better_by) < kUndecided) {
-        const auto turn = [&](const OutlineRefiner& r) {
-          return log_so3(previous->T_landmark_camera.rotation * r.state().T_camera_landmark.rotation).norm();
-        };
-        other_wins = turn(*other) < turn(*best);
+  const bool close = previous != nullptr && seen.seen_count >= static_cast<int>(kMinCentroids) &&
+                     starts[0].rms * w.camera.fx_px < kCloseStart_px;
+  OutlineRefiner* best = &w.refiners[0];
+  OutlineRefiner* other = &w.refiners[1];
+  bool ok = best->refine(luma, start, close ? OutlineRefiner::Start::kClose : OutlineRefiner::Start::kRough);
+  double ambiguity = apart_rad < kSamePose_rad ? 0 : std::exp(-0.5 * std::max(coarse, 0.0));
+  if (undecided) {
+    OutlineState glance = ok ? best->state() : start;
+    glance.T_camera_landmark = ok ? w.other_solution(best->state().T_camera_landmark) : starts[1].T_camera_landmark;
+    const double worse_by = ok ? best->chi2_above(glance) : 0;
+    if (worse_by > (settled ? kSettledDifference : kDecisive)) {
+      ambiguity = std::exp(-0.5 * worse_by);
+    } else if (other->refine(luma, glance, ok ? OutlineRefiner::Start::kClose : OutlineRefiner::Start::kRough)) {
+      if (!ok) {
+        ambiguity = 0;
+        std::swap(best, other);
+        ok = true;
+      } else {
+        ambiguity = w.choose(best, other, previous);
       }
-      const bool same =
-          angle_between(best->state().T_camera_landmark, other->state().T_camera_landmark) < kSamePose_rad;
-      ambiguity = same ? 0 : std::exp(-0.5 * std::abs(better_by));
-      if (other_wins) std::swap(best, other);
     }
   }
   if (!ok) return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
