@@ -1,26 +1,16 @@
 #pragma once
 /// Dark, roundish blobs of every size in a picture: candidates for dots.
 #include <cstdint>
-#include <vector>
+#include <span>
 
-#include "base/inline_vector.h"
+#include "detect/blob.h"
+#include "detect/blob_grid.h"
+#include "detect/region_finder.h"
 #include "image/dark_spots.h"
 #include "image/image_view.h"
 #include "image/pyramid.h"
 
 namespace ninedot {
-
-/// One blob. Pixels of the full-size picture. The ellipse is that of the second moments, point spread included.
-struct Blob {
-  float x_px, y_px;  ///< centroid
-  float area_px2;
-  float xx_px2, xy_px2, yy_px2;  ///< second central moments divided by the area: a disc of radius r has r^2 / 4
-  int level;                     ///< pyramid level that it was found at
-  float semi_major_px() const noexcept;
-};
-
-inline constexpr std::size_t kMaxBlobs = 1024;
-using BlobList = InlineVector<Blob, kMaxBlobs>;
 
 /// Memory: the constructor's. Threads: one caller.
 class BlobFinder {
@@ -47,29 +37,12 @@ class BlobFinder {
   ImageView picture_at(int level) const noexcept { return levels_[level - 1].view(); }
 
  private:
-  struct Run {
-    std::int16_t begin, end;  // [begin, end) in its row
-    std::int32_t component;   // union-find parent
-  };
-  struct Component {
-    std::int32_t area;
-    std::int32_t sum_x, sum_y;
-    std::int64_t sum_xx, sum_xy, sum_yy;
-    std::int16_t min_x, max_x, min_y, max_y;
-  };
-  void find_runs(const ImageView& picture, const ImageBuffer& threshold) noexcept;
-  void label_components() noexcept;
-  void collect(const ImageView& picture, int level, double noise_lsb, BlobList& blobs) const noexcept;
-  std::int32_t root(std::int32_t i) noexcept;
+  void collect(const ImageView& picture, std::span<const Region> regions, int level, BlobList& blobs) noexcept;
 
   ImageBuffer levels_[kLevels];  // levels_[i] is the picture at 1 / 2^(i+1)
   SpotThreshold threshold_;
-  std::vector<std::uint8_t> mask_;
-  std::vector<Run> runs_;
-  std::size_t run_count_ = 0;
-  std::vector<std::int32_t> row_start_;
-  std::vector<Component> components_;
-  std::size_t component_count_ = 0;
+  RegionFinder regions_;
+  BlobGrid coarser_;  // the blobs of the levels above the one that is searched
   double noise_lsb_ = 0;
 };
 

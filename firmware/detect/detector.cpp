@@ -38,7 +38,8 @@ struct Detector::Workspace {
       : camera(camera_model),
         landmark(landmark_geometry),
         options(detector_options),
-        finder(camera_model.width_px, camera_model.height_px) {}
+        finder(camera_model.width_px, camera_model.height_px),
+        sorted(camera_model.width_px, camera_model.height_px) {}
 
   Result<LandmarkObservation> find(const ImageView& luma, const Window& searched, BlobFinder::Levels wanted) noexcept;
   Verification verify(const ImageView& luma, const Hypothesis& hypothesis) const noexcept;
@@ -52,6 +53,7 @@ struct Detector::Workspace {
   DetectorOptions options;
   BlobFinder finder;
   BlobList blobs;
+  SortedBlobs sorted;
   HypothesisList hypotheses;
   Hypothesis best;
   Window window;  ///< of the search under way
@@ -67,13 +69,13 @@ Result<LandmarkObservation> Detector::Workspace::find(const ImageView& luma, con
     blob.x_px += static_cast<float>(window.x);
     blob.y_px += static_cast<float>(window.y);
   }
-  sort_by_area(blobs);
+  sorted.assign(blobs);
   Verification verification;
   hypotheses.clear();
-  guess_from_centre(blobs, landmark, hypotheses);
+  guess_from_centre(sorted, landmark, hypotheses);
   if (!best_hypothesis(luma, verification)) {
     hypotheses.clear();
-    guess_from_ring(blobs, landmark, hypotheses);
+    guess_from_ring(sorted, landmark, hypotheses);
     if (!best_hypothesis(luma, verification)) return fail(Errc::kNoLandmark, "no landmark in the picture");
   }
   return observe(verification);

@@ -45,14 +45,6 @@ class Whitening {
   float x_, y_, l00_, l10_, l11_;
 };
 
-/// Blobs whose area lies between two bounds: a stretch of the sorted list.
-std::pair<std::size_t, std::size_t> area_range(const BlobList& blobs, double low_px2, double high_px2) noexcept {
-  const auto larger = [](const Blob& blob, double area) { return blob.area_px2 > area; };
-  const Blob* first = std::lower_bound(blobs.begin(), blobs.end(), high_px2, larger);
-  const Blob* last = std::lower_bound(first, blobs.end(), low_px2, larger);
-  return {static_cast<std::size_t>(first - blobs.begin()), static_cast<std::size_t>(last - blobs.begin())};
-}
-
 /// 1 where the blob's second moments are the predicted ones, more for another size, axis ratio or direction: half the
 /// trace of M^-1 M' after both are scaled to the same area.
 double shape_mismatch(const Blob& blob, const Eigen::Matrix2d& predicted_px2) noexcept {
@@ -69,23 +61,21 @@ struct Neighbour {
 };
 using NeighbourList = InlineVector<Neighbour, kMaxNeighbours>;
 
-void find_ring_around(const BlobList& blobs, std::size_t centre, const LandmarkGeometry& landmark,
+void find_ring_around(const SortedBlobs& blobs, std::size_t centre, const LandmarkGeometry& landmark,
                       NeighbourList& out) noexcept {
-  const Blob& c = blobs[centre];
+  const Blob& c = blobs.list()[centre];
   const Whitening whiten(c);
   const double area_ratio = std::pow(landmark.dot_radius_m / landmark.centre_radius_m, 2);
   const auto ring = static_cast<float>(landmark.ring_radius_m / landmark.centre_radius_m);
   const float reach_px = c.semi_major_px() * ring * static_cast<float>(1 + kRadiusTolerance);
-  const auto [first, last] =
-      area_range(blobs, c.area_px2 * area_ratio / kAreaTolerance, c.area_px2 * area_ratio * kAreaTolerance);
   out.clear();
-  for (std::size_t i = first; i < last; ++i) {
-    if (std::abs(blobs[i].x_px - c.x_px) > reach_px || std::abs(blobs[i].y_px - c.y_px) > reach_px) continue;
-    const Eigen::Vector2f n = whiten(blobs[i].x_px, blobs[i].y_px);
-    const float error = n.norm() / ring - 1;
-    if (std::abs(error) > static_cast<float>(kRadiusTolerance)) continue;
-    if (!out.try_push_back({static_cast<std::int16_t>(i), std::atan2(n.y(), n.x()), error})) return;
-  }
+  blobs.for_each_near(c.x_px, c.y_px, reach_px, c.area_px2 * area_ratio / kAreaTolerance,
+                      c.area_px2 * area_ratio * kAreaTolerance, [&](std::size_t i, const Blob& blob) {
+                        const Eigen::Vector2f n = whiten(blob.x_px, blob.y_px);
+                        const float error = n.norm() / ring - 1;
+                        if (std::abs(error) > static_cast<float>(kRadiusTolerance)) return;
+                        (void)out.try_push_back({static_cast<std::int16_t>(i), std::atan2(n.y(), n.x()), error});
+                      });
 }
 
 double wrap(double angle_rad, double period_rad) noexcept {
@@ -144,7 +134,7 @@ bool is_known(const HypothesisList& list, const Hypothesis& candidate) noexcept 
   });
 }
 
-void keep(const BlobList& blobs, const LandmarkGeometry& landmark, int min_matched, Hypothesis& hypothesis,
+void keep(const SortedBlobs& blobs, const LandmarkGeometry& landmark, int min_matched, Hypothesis& hypothesis,
           HypothesisList& out) noexcept {
   if (!attach_blobs(blobs, landmark, hypothesis) || hypothesis.matched < min_matched || is_known(out, hypothesis))
     return;
@@ -156,11 +146,13 @@ void keep(const BlobList& blobs, const LandmarkGeometry& landmark, int min_match
 
 }  // namespace
 
-void sort_by_area(BlobList& blobs) noexcept {
+void SortedBlobs::assign(BlobList& blobs) noexcept {
   std::sort(blobs.begin(), blobs.end(), [](const Blob& a, const Blob& b) { return a.area_px2 > b.area_px2; });
+  blobs_ = &blobs;
+  grid_.build(blobs.span());
 }
 
-bool attach_blobs(const BlobList& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis) noexcept {
+bool attach_blobs(const SortedBlobs& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis) noexcept {
   // Generous while H rests on a guess; then what a fit to all dots leaves: a fifth of the radius, half a pixel for
   // small ones.
   struct Tolerance {
@@ -180,38 +172,38 @@ bool attach_blobs(const BlobList& blobs, const LandmarkGeometry& landmark, Hypot
       const double area_px2 = kPi * radius_m * radius_m * det;
       // Half a pixel of blur or threshold moves a small outline by much of its size.
       const double slack = tolerance.area_factor + 3 / std::sqrt(area_px2);
-      const auto [first, last] = area_range(blobs, area_px2 / slack, area_px2 * slack);
       double nearest = tolerance.reach + tolerance.reach_px / std::sqrt(area_px2 / kPi);
       const double reach_px = nearest * radius_m * J.norm();
       const Eigen::Matrix2d shape_px2 = J * J.transpose() * (radius_m * radius_m / 4);
-      for (std::size_t i = first; i < last; ++i) {
-        const Eigen::Vector2d off_px(blobs[i].x_px - at_px.x(), blobs[i].y_px - at_px.y());
-        if (std::abs(off_px.x()) > reach_px || std::abs(off_px.y()) > reach_px) continue;
-        const double distance = (J_inverse * off_px).norm() / radius_m;
-        if (distance < nearest && shape_mismatch(blobs[i], shape_px2) < slack)
-          nearest = distance, hypothesis.blob[dot] = static_cast<std::int16_t>(i);
-      }
+      blobs.for_each_near(static_cast<float>(at_px.x()), static_cast<float>(at_px.y()), static_cast<float>(reach_px),
+                          area_px2 / slack, area_px2 * slack, [&](std::size_t i, const Blob& blob) {
+                            const Eigen::Vector2d off_px(blob.x_px - at_px.x(), blob.y_px - at_px.y());
+                            const double distance = (J_inverse * off_px).norm() / radius_m;
+                            if (distance < nearest && shape_mismatch(blob, shape_px2) < slack)
+                              nearest = distance, hypothesis.blob[dot] = static_cast<std::int16_t>(i);
+                          });
       hypothesis.matched += hypothesis.blob[dot] >= 0;
     }
-    if (!fit(blobs, landmark, hypothesis)) return false;
+    if (!fit(blobs.list(), landmark, hypothesis)) return false;
   }
   return true;
 }
 
-void guess_from_centre(const BlobList& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept {
+void guess_from_centre(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept {
   constexpr float kMinArea_px2 = 8;  // P9 at 9 m and 720 px
   NeighbourList neighbours;
-  for (std::size_t centre = 0; centre < blobs.size() && blobs[centre].area_px2 >= kMinArea_px2; ++centre) {
+  const BlobList& list = blobs.list();
+  for (std::size_t centre = 0; centre < list.size() && list[centre].area_px2 >= kMinArea_px2; ++centre) {
     find_ring_around(blobs, centre, landmark, neighbours);
     if (neighbours.size() < 3) continue;
     Hypothesis hypothesis;
     if (number_neighbours(neighbours, hypothesis) < 3) continue;
     hypothesis.blob[kCentreDot] = static_cast<std::int16_t>(centre);
-    if (fit(blobs, landmark, hypothesis)) keep(blobs, landmark, 4, hypothesis, out);
+    if (fit(list, landmark, hypothesis)) keep(blobs, landmark, 4, hypothesis, out);
   }
 }
 
-void guess_from_ring(const BlobList& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept {
+void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept {
   constexpr float kMinArea_px2 = 5;
   constexpr double kAreaFactor = 1.7;
   constexpr std::size_t kNearest = 8;
@@ -224,28 +216,28 @@ void guess_from_ring(const BlobList& blobs, const LandmarkGeometry& landmark, Hy
     std::int16_t blob;
     float distance;
   };
-  for (std::size_t middle = 0; middle < blobs.size() && blobs[middle].area_px2 >= kMinArea_px2; ++middle) {
-    const Blob& m = blobs[middle];
+  const BlobList& list = blobs.list();
+  for (std::size_t middle = 0; middle < list.size() && list[middle].area_px2 >= kMinArea_px2; ++middle) {
+    const Blob& m = list[middle];
     const Whitening whiten(m);
     InlineVector<Near, kNearest> near;
     const float reach_px = m.semi_major_px() * static_cast<float>(1.5 * spacing);
-    const auto [first, last] = area_range(blobs, m.area_px2 / kAreaFactor, m.area_px2 * kAreaFactor);
-    for (std::size_t i = first; i < last; ++i) {
-      if (i == middle || std::abs(blobs[i].x_px - m.x_px) > reach_px || std::abs(blobs[i].y_px - m.y_px) > reach_px)
-        continue;
-      const float distance = whiten(blobs[i].x_px, blobs[i].y_px).norm() / static_cast<float>(spacing);
-      if (distance < 0.6F || distance > 1.5F) continue;
-      const Near candidate{static_cast<std::int16_t>(i), std::abs(distance - 1)};
-      if (near.try_push_back(candidate)) continue;
-      Near* worst = std::max_element(near.begin(), near.end(),
-                                     [](const Near& a, const Near& b) { return a.distance < b.distance; });
-      if (candidate.distance < worst->distance) *worst = candidate;
-    }
+    blobs.for_each_near(m.x_px, m.y_px, reach_px, m.area_px2 / kAreaFactor, m.area_px2 * kAreaFactor,
+                        [&](std::size_t i, const Blob& blob) {
+                          const float distance = whiten(blob.x_px, blob.y_px).norm() / static_cast<float>(spacing);
+                          if (i == middle || distance < 0.6F || distance > 1.5F) return;
+                          const Near candidate{static_cast<std::int16_t>(i), std::abs(distance - 1)};
+                          if (near.try_push_back(candidate)) return;
+                          Near* worst = std::max_element(near.begin(), near.end(), [](const Near& a, const Near& b) {
+                            return a.distance < b.distance;
+                          });
+                          if (candidate.distance < worst->distance) *worst = candidate;
+                        });
     for (const Near& before : near) {
       for (const Near& after : near) {
         if (before.blob == after.blob) continue;
-        const Blob& a = blobs[static_cast<std::size_t>(before.blob)];
-        const Blob& c = blobs[static_cast<std::size_t>(after.blob)];
+        const Blob& a = list[static_cast<std::size_t>(before.blob)];
+        const Blob& c = list[static_cast<std::size_t>(after.blob)];
         Eigen::Matrix2d seen;
         seen << a.x_px - m.x_px, c.x_px - m.x_px, a.y_px - m.y_px, c.y_px - m.y_px;
         const Eigen::Matrix2d J = seen * plane_inverse;

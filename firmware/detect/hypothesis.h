@@ -3,10 +3,13 @@
 /// (verify.h), so that these may be generous.
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "base/inline_vector.h"
-#include "detect/blob_finder.h"
+#include "detect/blob.h"
+#include "detect/blob_grid.h"
 #include "geometry/landmark.h"
 
 namespace ninedot {
@@ -21,18 +24,45 @@ struct Hypothesis {
 inline constexpr std::size_t kMaxHypotheses = 96;
 using HypothesisList = InlineVector<Hypothesis, kMaxHypotheses>;
 
-/// Blobs must be sorted by area, largest first (contract of the three functions below).
-void sort_by_area(BlobList& blobs) noexcept;
+/// Blobs sorted by area, largest first, and by place: what the functions below search.
+class SortedBlobs {
+ public:
+  /// \param width_px, height_px  of the largest picture. Memory: the constructor's.
+  SortedBlobs(int width_px, int height_px) : grid_(width_px, height_px) {}
+
+  /// Sorts `blobs`, which must outlive the next searches unchanged.
+  void assign(BlobList& blobs) noexcept;
+
+  const BlobList& list() const noexcept { return *blobs_; }
+
+  /// Calls use(index, blob) for blobs of an area between the bounds, not further than `reach_px` in x and in y.
+  template <typename Use>
+  void for_each_near(float x_px, float y_px, float reach_px, double low_px2, double high_px2,
+                     Use&& use) const noexcept {
+    const auto low = static_cast<float>(low_px2), high = static_cast<float>(high_px2);
+    grid_.for_each_near(x_px, y_px, reach_px, [&](std::size_t i) {
+      const Blob& blob = (*blobs_)[i];
+      if (blob.area_px2 < low || blob.area_px2 > high || std::abs(blob.x_px - x_px) > reach_px ||
+          std::abs(blob.y_px - y_px) > reach_px)
+        return;
+      use(i, blob);
+    });
+  }
+
+ private:
+  const BlobList* blobs_ = nullptr;
+  BlobGrid grid_;
+};
 
 /// Takes each blob as P9: its ellipse says, under an affine map, on which ellipse the ring's dots lie and how large
 /// they are; eight-fold symmetry around it picks them out. Three dots are enough.
-void guess_from_centre(const BlobList& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept;
+void guess_from_centre(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept;
 
 /// Takes three blobs as neighbours on the ring, when P9 is hidden or spoiled: three points give the affine map, the
 /// area and shape of the middle one confirm it.
-void guess_from_ring(const BlobList& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept;
+void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept;
 
 /// Takes the dots from where H predicts them and fits H to what it found. \return false: fewer than three dots remain
-bool attach_blobs(const BlobList& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis) noexcept;
+bool attach_blobs(const SortedBlobs& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis) noexcept;
 
 }  // namespace ninedot

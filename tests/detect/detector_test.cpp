@@ -124,7 +124,8 @@ TEST_P(Hidden, SheetIsFoundFromWhatIsLeft) {
   Detector detector(CameraModel{}, LandmarkGeometry{});
   const auto seen = detector.find_landmark(picture.view());
   ASSERT_TRUE(seen.has_value());
-  // A dot that lacks a tenth of its area passes as whole; its centroid is then off by up to a third of its 7.5 px radius.
+  // A dot that lacks a tenth of its area passes as whole; its centroid is then off by up to a third of its 7.5 px
+  // radius.
   expect_dots_in_place(scene, *seen, 2.5);
 }
 

@@ -1,0 +1,178 @@
+#include "detect/region_finder.h"
+
+#include <algorithm>
+#include <bit>
+#include <opencv2/core/hal/intrin.hpp>
+
+#include "base/contract.h"
+
+namespace ninedot {
+namespace {
+
+/// Bit i: pixel i of 32 is below its threshold, which two pixels share.
+std::uint32_t dark_bits(const std::uint8_t* pixels, const std::uint8_t* limits) noexcept {
+  const cv::v_uint8x16 limit = cv::v_load(limits);
+  cv::v_uint8x16 low, high;
+  cv::v_zip(limit, limit, low, high);
+  const auto below = [](const std::uint8_t* at, const cv::v_uint8x16& than) {
+    return static_cast<std::uint32_t>(cv::v_signmask(cv::v_load(at) < than)) & 0xFFFFU;
+  };
+  return below(pixels, low) | below(pixels + 16, high) << 16;
+}
+
+/// The same for the last columns, pixel by pixel.
+std::uint32_t dark_bits(const std::uint8_t* pixels, const std::uint8_t* limits, int count) noexcept {
+  std::uint32_t bits = 0;
+  for (int i = 0; i < count; ++i) bits |= static_cast<std::uint32_t>(pixels[i] < limits[i / 2]) << i;
+  return bits;
+}
+
+}  // namespace
+
+RegionFinder::RegionFinder(int max_width_px, int max_height_px)
+    // Worst texture: a run for every second pixel. Kept to a quarter of that; noise beyond is cut, not followed.
+    : runs_(static_cast<std::size_t>(max_width_px) * static_cast<std::size_t>(max_height_px) / 8 + 64),
+      row_start_(static_cast<std::size_t>(max_height_px) + 1),
+      regions_(runs_.size()),
+      kept_(runs_.size()) {
+  EXPECTS(max_width_px < 32768 && max_height_px < 32768);
+}
+
+std::span<const Region> RegionFinder::find(const ImageView& picture, const ImageBuffer& threshold,
+                                           const RegionLimits& limits) noexcept {
+  EXPECTS(static_cast<std::size_t>(picture.height_px) < row_start_.size());
+  find_runs(picture, threshold);
+  join_runs(picture.height_px);
+  outline_regions(picture.height_px);
+  keep_regions(picture, limits);
+  sum_moments(picture.height_px);
+  return std::span(regions_).first(region_count_);
+}
+
+void RegionFinder::find_runs(const ImageView& picture, const ImageBuffer& threshold) noexcept {
+  run_count_ = 0;
+  const int width = 2 * (picture.width_px / 2);  // an odd last column has no threshold
+  for (int y = 0; y < picture.height_px; ++y) {
+    row_start_[static_cast<std::size_t>(y)] = static_cast<std::int32_t>(run_count_);
+    const std::uint8_t* pixels = picture.row(y);
+    const std::uint8_t* limits = threshold.row(std::min(y / 2, threshold.height_px() - 1));
+    std::uint32_t inside = 0;  // 1 while the pixel before was dark
+    std::int16_t begin = 0;
+    for (int x = 0; x <= width; x += 32) {
+      const int left = width - x;
+      const std::uint32_t bits =
+          left >= 32 ? dark_bits(pixels + x, limits + x / 2) : dark_bits(pixels + x, limits + x / 2, left);
+      std::uint32_t edges = bits ^ ((bits << 1) | inside);  // set where it changes
+      while (edges != 0) {
+        const auto at = static_cast<std::int16_t>(x + std::countr_zero(edges));
+        edges &= edges - 1;
+        if (inside == 0) {
+          begin = at;
+        } else if (run_count_ < runs_.size()) {
+          runs_[run_count_] = {begin, at, static_cast<std::int32_t>(run_count_)};
+          ++run_count_;
+        }
+        inside ^= 1;
+      }
+    }
+  }
+  row_start_[static_cast<std::size_t>(picture.height_px)] = static_cast<std::int32_t>(run_count_);
+}
+
+std::int32_t RegionFinder::root(std::int32_t i) noexcept {
+  Run* runs = runs_.data();
+  while (runs[i].parent != i) {
+    runs[i].parent = runs[runs[i].parent].parent;
+    i = runs[i].parent;
+  }
+  return i;
+}
+
+void RegionFinder::join_runs(int rows) noexcept {
+  Run* runs = runs_.data();
+  for (int y = 1; y < rows; ++y) {
+    std::int32_t above = row_start_[static_cast<std::size_t>(y) - 1];
+    const std::int32_t first = row_start_[static_cast<std::size_t>(y)];
+    const std::int32_t last = row_start_[static_cast<std::size_t>(y) + 1];
+    for (std::int32_t here = first; here < last; ++here) {
+      const Run run = runs[here];
+      while (above < first && runs[above].end < run.begin) ++above;
+      std::int32_t mine = here;  // its root
+      for (std::int32_t other = above; other < first && runs[other].begin <= run.end; ++other) {
+        // The smaller index is the root, so that it comes first in every later pass.
+        const std::int32_t theirs = root(other);
+        if (theirs < mine) {
+          runs[mine].parent = theirs;
+          mine = theirs;
+        } else {
+          runs[theirs].parent = mine;
+        }
+      }
+    }
+  }
+}
+
+/// Areas and boxes of all regions; from here on a run's parent is its region's index.
+void RegionFinder::outline_regions(int rows) noexcept {
+  region_count_ = 0;
+  Run* runs = runs_.data();
+  for (int y = 0; y < rows; ++y) {
+    const std::int32_t last = row_start_[static_cast<std::size_t>(y) + 1];
+    for (std::int32_t i = row_start_[static_cast<std::size_t>(y)]; i < last; ++i) {
+      Run& run = runs[i];
+      if (run.parent == i) {
+        run.parent = static_cast<std::int32_t>(region_count_);
+        Region& region = regions_[region_count_++];
+        region.area_px = run.end - run.begin;
+        region.min_x = run.begin, region.end_x = run.end;
+        region.min_y = region.last_y = y;
+        continue;
+      }
+      // Parents come earlier and hold indices of regions already.
+      run.parent = runs[run.parent].parent;
+      Region& region = regions_[static_cast<std::size_t>(run.parent)];
+      region.area_px += run.end - run.begin;
+      region.min_x = std::min<std::int32_t>(region.min_x, run.begin);
+      region.end_x = std::max<std::int32_t>(region.end_x, run.end);
+      region.last_y = y;
+    }
+  }
+}
+
+void RegionFinder::keep_regions(const ImageView& picture, const RegionLimits& limits) noexcept {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < region_count_; ++i) {
+    const Region& r = regions_[i];
+    const bool wanted = r.area_px >= limits.min_area_px && r.end_x - r.min_x <= limits.max_side_px &&
+                        r.last_y - r.min_y < limits.max_side_px && r.min_x > 0 && r.min_y > 0 &&
+                        r.end_x < picture.width_px && r.last_y < picture.height_px - 1;
+    kept_[i] = wanted ? static_cast<std::int32_t>(kept) : -1;
+    if (!wanted) continue;
+    regions_[kept] = r;
+    Region& to = regions_[kept++];
+    to.sum_x = to.sum_y = to.sum_xx = to.sum_xy = to.sum_yy = 0;
+  }
+  region_count_ = kept;
+}
+
+void RegionFinder::sum_moments(int rows) noexcept {
+  const auto squares_below = [](std::int64_t n) { return (n - 1) * n * (2 * n - 1) / 6; };  // 0^2 + .. + (n - 1)^2
+  for (int y = 0; y < rows; ++y) {
+    const std::int32_t last = row_start_[static_cast<std::size_t>(y) + 1];
+    for (std::int32_t i = row_start_[static_cast<std::size_t>(y)]; i < last; ++i) {
+      const Run& run = runs_[static_cast<std::size_t>(i)];
+      const std::int32_t kept = kept_[static_cast<std::size_t>(run.parent)];
+      if (kept < 0) continue;
+      Region& r = regions_[static_cast<std::size_t>(kept)];
+      const std::int64_t n = run.end - run.begin;
+      const std::int64_t sum_x = n * (run.begin + run.end - 1) / 2;
+      r.sum_x += sum_x;
+      r.sum_y += n * y;
+      r.sum_xx += squares_below(run.end) - squares_below(run.begin);
+      r.sum_xy += sum_x * y;
+      r.sum_yy += n * y * y;
+    }
+  }
+}
+
+}  // namespace ninedot
