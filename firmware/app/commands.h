@@ -8,6 +8,7 @@ namespace ninedot {
 
 void add_replay_command(CLI::App& app);
 void add_record_command(CLI::App& app);
+void add_cameras_command(CLI::App& app);
 void add_pattern_command(CLI::App& app);
 void add_check_command(CLI::App& app);
 void add_registers_command(CLI::App& app);

@@ -14,11 +14,16 @@ struct CameraConfig {
   int width_px = 640;                ///< `width_px`: 16..8192
   int height_px = 480;               ///< `height_px`: 16..8192
   double rate_hz = 35.0;  ///< `rate_hz`: 0.1..1000; frames per second asked of the camera, or of the recording
-  std::string pixel_format = "auto";  ///< `pixel_format`: auto, GREY, Y10, YUYV, NV12, ...
-  double exposure_us = 0;             ///< `exposure_us`: 0 = automatic .. 1e6
-  double gain = 0.0;                  ///< `gain`: 0 = automatic .. 1000
-  std::string calibration;            ///< `calibration`: camera.yaml; empty = the recording's own
-  bool loop = true;                   ///< `loop`: a recording starts again at its end
+  std::string pixel_format = "auto";     ///< `pixel_format`: auto, GREY, Y10, YUYV, NV12, ...
+  double exposure_us = 0;                ///< `exposure_us`: 0 = automatic .. 1e6
+  double gain = 0.0;                     ///< `gain`: 0 = automatic .. 1000
+  std::string calibration;               ///< `calibration`: camera.yaml; empty = the recording's own
+  bool lower_rate_in_the_dark = false;   ///< `lower_rate_in_the_dark`: automatic exposure may lower the frame rate
+  std::string power_line = "unchanged";  ///< `power_line`: unchanged | off | 50Hz | 60Hz | automatic
+  double readout_us = 0;                 ///< `readout_us`: 0..1e6, end of the exposure to the end of the frame
+  int stall_frames = 10;                 ///< `stall_frames`: 3..1000 frame periods without a frame: the camera is lost
+  bool wait_for_device = false;          ///< `wait_for_device`: start without the camera and go on looking for it
+  bool loop = true;                      ///< `loop`: a recording starts again at its end
 };
 
 /// [landmark]: the geometry that all landmarks share

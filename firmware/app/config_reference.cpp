@@ -15,7 +15,8 @@ constexpr double kMaxPosition_mm = 1e7;  // 10 km
 // A macro keeps the table one line per key: a captureless lambda cannot be written shorter.
 #define SLOT(member) [](Config& config) -> ConfigSlot { return &config.member; }
 
-constexpr std::string_view kPixelFormats = "auto|GREY|Y10|Y12|Y16|YUYV|UYVY|NV12|NV21|YU12|MJPG";
+constexpr std::string_view kPixelFormats =
+    "auto|GREY|NV12|NV21|YU12|YUYV|UYVY|Y10|Y12|Y16|Y10P|Y12P|RGGB|BGGR|GRBG|GBRG|MJPG";
 
 const std::array kKeys{
     ConfigKey{"camera", "source", "", 0, 0, "libcamera|v4l2|recording|simulated", "where frames come from",
@@ -32,7 +33,23 @@ const std::array kKeys{
     ConfigKey{"camera", "pixel_format", "", 0, 0, kPixelFormats, "format asked of the camera",
               SLOT(camera.pixel_format)},
     ConfigKey{"camera", "exposure_us", "us", 0, 1e6, "", "exposure time; 0 = automatic", SLOT(camera.exposure_us)},
-    ConfigKey{"camera", "gain", "", 0, 1000, "", "sensor gain; 0 = automatic", SLOT(camera.gain)},
+    ConfigKey{"camera", "gain", "", 0, 1000, "",
+              "sensor gain, with libcamera a factor, with V4L2 in the driver's units; 0 = automatic",
+              SLOT(camera.gain)},
+    ConfigKey{"camera", "lower_rate_in_the_dark", "", 0, 0, "", "automatic exposure may lower the frame rate",
+              SLOT(camera.lower_rate_in_the_dark)},
+    ConfigKey{"camera", "power_line", "", 0, 0, "unchanged|off|50Hz|60Hz|automatic",
+              "V4L2: keeps the exposure clear of the flicker of lamps", SLOT(camera.power_line)},
+    ConfigKey{"camera", "readout_us", "us", 0, 1e6, "",
+              "from the end of the exposure to the end of the frame, for cameras that stamp the end: global shutter "
+              "the whole read-out, rolling shutter half of it",
+              SLOT(camera.readout_us)},
+    ConfigKey{"camera", "stall_frames", "", 3, 1000, "",
+              "so many frame periods without a frame: the camera is lost, and is opened again",
+              SLOT(camera.stall_frames)},
+    ConfigKey{"camera", "wait_for_device", "", 0, 0, "",
+              "`ninedotd` starts without the camera and goes on looking for it, instead of ending with status 2",
+              SLOT(camera.wait_for_device)},
     ConfigKey{
         "camera", "calibration", "", 0, 0, "",
         "camera.yaml of this camera and lens; a relative path starts at the folder of the configuration file; empty = "

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
       "configuration.");
   ninedot::add_replay_command(app);
   ninedot::add_record_command(app);
+  ninedot::add_cameras_command(app);
   ninedot::add_pattern_command(app);
   ninedot::add_check_command(app);
   ninedot::add_registers_command(app);

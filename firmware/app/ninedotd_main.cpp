@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <optional>
 
 #include "app/config.h"
@@ -36,7 +38,12 @@ void run_service(const std::string& config_path, bool live) {
   LatestValue<Report> reports;
   LatestValue<Health> health;
   const int memory_refused = config.service.lock_memory ? lock_memory() : ECANCELED;
-  FrameLoop frames(*camera.frames, localiser, reports, health, {.memory_locked = memory_refused == 0});
+  const std::chrono::duration<double> stall(config.camera.stall_frames / config.camera.rate_hz);
+  FrameLoopOptions loop_options;
+  loop_options.stall_after =
+      std::max(loop_options.stall_after, std::chrono::duration_cast<std::chrono::nanoseconds>(stall));
+  loop_options.memory_locked = memory_refused == 0;
+  FrameLoop frames(*camera.frames, localiser, reports, health, loop_options);
   const ModbusOptions modbus = modbus_options(config);
   const ModbusServer server(reports, health, modbus);
 
@@ -47,6 +54,7 @@ void run_service(const std::string& config_path, bool live) {
   const int realtime_refused = frames.start(thread);
   log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION, config.camera.device, model.width_px,
                         model.height_px, config.pose.solver));
+  if (!camera.description.empty()) log.write("camera: " + camera.description);
   log.write("frame loop: " + realtime_text(config.service.realtime_priority, realtime_refused));
   log.write("memory: " + memory_text(config.service.lock_memory, memory_refused));
   for (const std::string& command : reading_commands(modbus)) log.write("read the position with: " + command);

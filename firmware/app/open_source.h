@@ -19,6 +19,8 @@ struct OpenedSource {
   /// "FILE: what" about the last frame that failed, of the recording; empty where the source has no more to say than
   /// Error::text.
   std::string (*describe_failure)(const FrameSource& frames) = nullptr;
+  /// What the camera agreed to, for the log: "GREY 640x480, 30 Hz, exposure 5000 us"; empty for a recording.
+  std::string description;
   std::size_t frame_count = 0;  ///< of a recording that does not loop; 0 = endless
 };
 
@@ -31,7 +33,9 @@ void check_source(const CameraConfig& config);
 CameraModel read_camera_calibration(const CameraConfig& config);
 
 /// Throws StartupError: kWrongUsage when this build has no such source or `device` is missing, kWorkFailed when it
-/// can't be opened. Frames of another size than width_px x height_px fail with kFrameSize.
+/// can't be opened. A camera that can't be opened is kWrongUsage, unless `demand` is kNewest and the configuration says
+/// wait_for_device: then frames come once it is there. Frames of another size than width_px x height_px fail with
+/// kFrameSize.
 OpenedSource open_source(const CameraConfig& config, FrameDemand demand);
 
 }  // namespace ninedot

@@ -45,10 +45,10 @@ void watch_until_signalled(const TerminationSignals& signals, const RunningServi
     const MonoTime now = mono_now();
     const Report report = service.reports.read();
     log.note(report, service.frames.last_error(), now);
-    if (service.frames.frames_processed() > 0) manager.ready();
+    // Without its camera the service is up as well: it answers, says so, and recovers by itself.
+    if (service.frames.frames_processed() > 0 || report.reason == Reason::kCameraLost) manager.ready();
     // A source that is over ends on purpose: from then on time itself counts as progress.
-    manager.feed_watchdog(
-        service.frames.over() ? static_cast<std::uint64_t>(to_ns(now)) : service.frames.frames_processed(), now);
+    manager.feed_watchdog(service.frames.over() ? static_cast<std::uint64_t>(to_ns(now)) : service.frames.turns(), now);
     if (now - measured_at >= 1s) {
       measured_at = now;
       service.frames.set_temperature(read_board_temperature());

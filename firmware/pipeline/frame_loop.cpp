@@ -5,6 +5,7 @@
 
 #include <latch>
 #include <limits>
+#include <utility>
 
 #include "pipeline/report_reason.h"
 
@@ -49,6 +50,7 @@ void FrameLoop::stop() noexcept {
 }
 
 bool FrameLoop::step() noexcept {
+  turns_.fetch_add(1, std::memory_order_relaxed);
   const MonoTime asked_at = mono_now();
   {
     const Result<FrameLease> frame = source_.next(asked_at + options_.wait);
@@ -118,6 +120,9 @@ void FrameLoop::publish_health(MonoTime now) noexcept {
   health_.latency_p99 = latency_.quantile(0.99);
   health_.latency_p999 = latency_.quantile(0.999);
   health_.latency_max = latency_.max();
+  const SourceCounters counters = source_.counters();
+  health_.camera_restarts = counters.restarts;
+  health_.frames_failed += counters.flagged - std::exchange(flagged_at_health_, counters.flagged);
   health_.temperature_degC = temperature_degC_.load(std::memory_order_relaxed);
   published_reason_ = report_.reason;
   healths_.publish(health_);

@@ -44,7 +44,10 @@ class FrameLoop {
   /// \return  false when the source is over: nothing will follow.
   bool step() noexcept;
 
-  /// Frames that came all the way through; a watchdog is fed only while this grows.
+  /// Turns of the loop, with a frame or without: grows while its thread lives, also while the camera is lost. A
+  /// watchdog is fed only while this grows.
+  std::uint64_t turns() const noexcept { return turns_.load(std::memory_order_relaxed); }
+  /// Frames that came all the way through.
   std::uint64_t frames_processed() const noexcept { return frames_processed_.load(std::memory_order_relaxed); }
   /// The source has ended for good (a recording that does not loop).
   bool over() const noexcept { return over_.load(std::memory_order_relaxed); }
@@ -71,9 +74,11 @@ class FrameLoop {
   MonoTime last_frame_at_;
   MonoTime health_at_;                     // of the newest publication
   std::uint32_t processed_at_health_ = 0;  // frames processed by then
+  std::uint32_t flagged_at_health_ = 0;    // SourceCounters::flagged by then
   Reason published_reason_ = Reason::kStarting;
 
   std::atomic<std::uint64_t> frames_processed_{0};
+  std::atomic<std::uint64_t> turns_{0};
   std::atomic<bool> over_{false};
   std::atomic<double> temperature_degC_;
   LatestValue<Error> last_error_;

@@ -52,6 +52,12 @@ class FrameLease {
   std::uint32_t buffer_ = 0;
 };
 
+/// What a source counts over its life, beside what FrameLease::dropped_before tells.
+struct SourceCounters {
+  std::uint32_t restarts = 0;  ///< how often a lost camera was opened again
+  std::uint32_t flagged = 0;   ///< buffers that the device itself marked as damaged; never lent
+};
+
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
@@ -60,6 +66,8 @@ class FrameSource {
   ///        kCameraLost, kFrameSize, kFrameUnreadable: this frame or device failed; asking again is allowed.
   /// Memory: none after construction. Threads: one caller.
   virtual Result<FrameLease> next(MonoTime deadline) noexcept = 0;
+  /// Any thread.
+  virtual SourceCounters counters() const noexcept { return {}; }
 };
 
 }  // namespace ninedot

@@ -1,0 +1,69 @@
+#pragma once
+/// A camera as ReopeningSource sees it: something that is opened, gives frames, and may vanish.
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "base/mono_time.h"
+#include "base/result.h"
+#include "base/startup_error.h"
+#include "image/image_view.h"
+
+namespace ninedot {
+
+/// Against the flicker of lamps.
+enum class PowerLine { kUnchanged, kOff, k50Hz, k60Hz, kAutomatic };
+
+/// What is asked of a camera.
+struct CameraRequest {
+  std::string device;  ///< V4L2 path, or libcamera id or model
+  int width_px = 640;
+  int height_px = 480;
+  double rate_hz = 35;
+  std::string pixel_format = "auto";             ///< a name of pixel_formats(), or "auto"
+  std::chrono::nanoseconds exposure{0};          ///< 0 = automatic
+  double gain = 0;                               ///< 0 = automatic; V4L2: in the driver's units, libcamera: a factor
+  bool lower_rate_in_the_dark = false;           ///< automatic exposure may lower the frame rate
+  PowerLine power_line = PowerLine::kUnchanged;  ///< V4L2 only
+  std::chrono::nanoseconds readout{0};           ///< see ShutterTiming::readout
+};
+
+/// Why a camera can't be opened: the line for the user, and the errno behind it (0 = none).
+class CameraRefused : public StartupError {
+ public:
+  CameraRefused(const std::string& line, int error) : StartupError(ExitStatus::kWrongUsage, line), os_errno(error) {}
+  int os_errno;
+};
+
+struct CapturedFrame {
+  ImageView luma;              ///< valid until `release`
+  std::uint32_t buffer = 0;    ///< for `release`
+  std::uint32_t sequence = 0;  ///< the device's count of frames, wraps; starts anew with each opening
+  MonoTime exposed_at{};       ///< middle of the exposure
+  std::uint32_t skipped = 0;   ///< good frames given back unseen since the grab before, because this one is newer
+  std::uint32_t flagged = 0;   ///< buffers given back as damaged since then
+};
+
+class CameraDevice {
+ public:
+  virtual ~CameraDevice() = default;
+  /// Opens, agrees on a format, sets all controls, starts. May take a second and may allocate. Throws CameraRefused;
+  /// then the device is closed again. Not while it is open (contract).
+  virtual void open() = 0;
+  /// Stops and gives everything back; harmless when closed. No buffer may be lent.
+  virtual void close() noexcept = 0;
+  /// What was agreed on, for the log: "GREY 640x480, 30 Hz, exposure 5000 us". Empty before the first opening.
+  virtual std::string description() const = 0;
+  /// Of the newest opening.
+  virtual std::chrono::nanoseconds frame_period() const noexcept = 0;
+
+  /// The newest frame. One that is there is returned whatever the deadline.
+  /// \error kNoFrame: none came in time. kFrameUnreadable: this one is damaged, the device is well. Any other: the
+  ///        device must be closed and opened again.
+  /// Memory: none of ours. Threads: one caller, while open.
+  virtual Result<CapturedFrame> grab(MonoTime deadline) noexcept = 0;
+  /// Any thread, while open.
+  virtual void release(std::uint32_t buffer) noexcept = 0;
+};
+
+}  // namespace ninedot
