@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "app/commands.h"
+#include "drivers/capture/libcamera_device.h"
 #include "drivers/capture/v4l2_list.h"
 
 namespace ninedot {
@@ -21,7 +22,9 @@ void print_camera(const char* source, const CameraListing& camera) {
 void run_cameras() {
   const std::vector<CameraListing> v4l2 = list_v4l2_cameras();
   for (const CameraListing& camera : v4l2) print_camera("v4l2", camera);
-  if (v4l2.empty())
+  const std::vector<CameraListing> others = list_libcamera_cameras();
+  for (const CameraListing& camera : others) print_camera("libcamera", camera);
+  if (v4l2.empty() && others.empty())
     fmt::print("no camera: connect one; a camera on a ribbon cable also needs its device-tree overlay\n");
 }
 

@@ -10,6 +10,7 @@
 
 #include "app/camera_file.h"
 #include "base/startup_error.h"
+#include "drivers/capture/libcamera_device.h"
 #include "drivers/capture/recording_source.h"
 #include "drivers/capture/reopening_source.h"
 #include "drivers/capture/v4l2_device.h"
@@ -17,7 +18,7 @@
 namespace ninedot {
 namespace {
 
-constexpr std::array<std::string_view, 2> kSourcesOfThisBuild{"recording", "v4l2"};
+constexpr std::array<std::string_view, 3> kSourcesOfThisBuild{"recording", "v4l2", "libcamera"};
 
 std::string describe_recording_failure(const FrameSource& frames) {
   return static_cast<const RecordingSource&>(frames).last_failure();
@@ -104,6 +105,8 @@ OpenedSource open_source(const CameraConfig& config, FrameDemand demand) {
   if (config.source == "recording") return open_recording(config, demand);
   if (config.device.empty())
     throw StartupError(ExitStatus::kWrongUsage, "camera.device is missing: `ninedot cameras` lists what is there");
+  if (config.source == "libcamera")
+    return open_camera(std::make_unique<LibcameraDevice>(camera_request(config)), config, demand);
   return open_camera(std::make_unique<V4l2Device>(camera_request(config)), config, demand);
 }
 

@@ -86,8 +86,8 @@ TEST_F(Commands, CheckAcceptsTheDefaultConfigurationOnItsRecording) {
 TEST_F(Commands, CheckNamesTheLineOfWhatTheServiceWouldRefuse) {
   EXPECT_EQ(refusal("[camera]\ndevice = \"/nowhere\""), "c.toml:2: /nowhere: no such recording");
   EXPECT_EQ(refusal("[camera]\n\nrate = 3"), "c.toml:3: unknown key 'rate' in [camera]; did you mean 'rate_hz'?");
-  EXPECT_EQ(refusal("[camera]\nsource = \"v4l2\""),
-            "c.toml:2: camera.source is 'v4l2', but this build has only 'recording'");
+  EXPECT_EQ(refusal("[camera]\nsource = \"simulated\""),
+            "c.toml:2: camera.source is 'simulated', but this build has only recording, v4l2, libcamera");
   EXPECT_EQ(refusal("[camera]\n"),
             "c.toml:1: camera.device is missing: write the recording's folder or .y4m file into the configuration");
   EXPECT_EQ(refusal(camera() + "calibration = \"/nowhere.yaml\""),
