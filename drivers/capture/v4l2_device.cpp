@@ -113,10 +113,11 @@ void V4l2Device::open_node() {
 
 void V4l2Device::agree_on_format() {
   const std::vector<OfferedFormat> offers = read_offered_formats(kernel_, fd_);
+  const std::string offered = fmt::format("{}", fmt::join(describe_offers(offers), "; "));
   const auto refuse_with_offers = [&] {
     refuse(fmt::format("the camera has no {} {}x{}; it offers {}",
                        request_.pixel_format == "auto" ? "readable format at" : request_.pixel_format,
-                       request_.width_px, request_.height_px, describe_offers(offers)),
+                       request_.width_px, request_.height_px, offered),
            EINVAL);
   };
   const OfferedFormat* const offer = choose_format(offers, request_);
@@ -134,7 +135,7 @@ void V4l2Device::agree_on_format() {
       static_cast<int>(format.fmt.pix.height) != request_.height_px)
     refuse(fmt::format("asked for {} {}x{}, the camera gives {} {}x{}; it offers {}", format_->name, request_.width_px,
                        request_.height_px, fourcc_text(format.fmt.pix.pixelformat), format.fmt.pix.width,
-                       format.fmt.pix.height, describe_offers(offers)),
+                       format.fmt.pix.height, offered),
            EINVAL);
   if (format.fmt.pix.field != V4L2_FIELD_NONE && format.fmt.pix.field != V4L2_FIELD_ANY)
     refuse("the camera gives interlaced pictures; choose another input or standard", EINVAL);

@@ -9,7 +9,7 @@ namespace ninedot {
 namespace {
 
 // A driver that goes on answering must not keep us for ever.
-constexpr std::uint32_t kMaxFormats = 64;
+constexpr std::uint32_t kMaxFormats = 256;
 constexpr std::uint32_t kMaxSizes = 128;
 constexpr std::uint32_t kMaxIntervals = 64;
 /// 29.97 is 30.
@@ -127,15 +127,26 @@ std::vector<OfferedFormat> read_offered_formats(VideoKernel& kernel, int fd) {
   return offers;
 }
 
-std::string describe_offers(const std::vector<OfferedFormat>& offers) {
-  std::string text;
+std::vector<std::string> describe_offers(const std::vector<OfferedFormat>& offers) {
+  std::vector<std::pair<std::string, std::string>> groups;  // sizes, formats
+  std::string unreadable;
+  const auto add = [](std::string& list, const std::string& name) { list += (list.empty() ? "" : ", ") + name; };
   for (const OfferedFormat& offer : offers) {
-    text += fmt::format("{}{}{}", text.empty() ? "" : "; ",
-                        offer.known != nullptr ? std::string(offer.known->name) : fourcc_text(offer.fourcc),
-                        offer.known != nullptr ? "" : " (not readable here)");
-    for (std::size_t i = 0; i < offer.sizes.size(); ++i) text += (i == 0 ? " " : ", ") + describe_size(offer.sizes[i]);
+    if (offer.known == nullptr) {
+      add(unreadable, fourcc_text(offer.fourcc));
+      continue;
+    }
+    std::string sizes;
+    for (const OfferedSize& size : offer.sizes) add(sizes, describe_size(size));
+    auto group = std::ranges::find(groups, sizes, [](const auto& entry) { return entry.first; });
+    if (group == groups.end()) group = groups.insert(groups.end(), {sizes, {}});
+    add(group->second, std::string(offer.known->name));
   }
-  return text.empty() ? "no format at all" : text;
+  std::vector<std::string> lines;
+  for (const auto& [sizes, names] : groups) lines.push_back(sizes.empty() ? names : fmt::format("{} {}", names, sizes));
+  if (!unreadable.empty()) lines.push_back("not readable here: " + unreadable);
+  if (lines.empty()) lines.push_back("no format at all");
+  return lines;
 }
 
 const OfferedFormat* choose_format(const std::vector<OfferedFormat>& offers, const CameraRequest& request) {

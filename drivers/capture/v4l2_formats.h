@@ -32,11 +32,11 @@ std::string fourcc_text(std::uint32_t fourcc);
 /// Asks the driver. \param fd  an open capture device
 std::vector<OfferedFormat> read_offered_formats(VideoKernel& kernel, int fd);
 
-/// "GREY 640x480 60 Hz; YUYV 640x480 30 Hz, 1280x720 10 Hz". Formats that we can't read are named as such.
-std::string describe_offers(const std::vector<OfferedFormat>& offers);
+/// "GREY, NV12 640x480 60 Hz, 1280x720 30 Hz": one line for all formats of the same sizes, one for those not readable.
+std::vector<std::string> describe_offers(const std::vector<OfferedFormat>& offers);
 
 /// The format asked for; with "auto" the first in the order of pixel_formats() that reaches the rate at this size, else
-/// the fastest; MJPG only where nothing else has the size. Compressed and uncompressed alike must offer the size.
+/// the fastest; MJPG only where nothing else has the size.
 /// \return  nullptr: nothing fits
 const OfferedFormat* choose_format(const std::vector<OfferedFormat>& offers, const CameraRequest& request);
 

@@ -50,12 +50,6 @@ std::string steady_name(const std::string& folder, const std::string& node) {
   return {};
 }
 
-std::vector<std::string> format_lines(VideoKernel& kernel, int fd) {
-  std::vector<std::string> lines;
-  for (const OfferedFormat& offer : read_offered_formats(kernel, fd)) lines.push_back(describe_offers({offer}));
-  return lines;
-}
-
 std::optional<CameraListing> list_one(VideoKernel& kernel, const std::string& folder, const std::string& node) {
   CameraListing listing;
   listing.device = node;
@@ -74,7 +68,7 @@ std::optional<CameraListing> list_one(VideoKernel& kernel, const std::string& fo
         fmt::format("{} ({}, {})", text_of(capability.card), text_of(capability.driver), text_of(capability.bus_info));
     listing.steady_device = steady_name(folder, node);
     if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0) listing.problem = "multi-planar interface: use it through libcamera";
-    listing.formats = format_lines(kernel, fd);
+    listing.formats = describe_offers(read_offered_formats(kernel, fd));
     listing.controls = describe_controls(kernel, fd);
   }
   kernel.close(fd);

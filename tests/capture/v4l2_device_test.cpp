@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "drivers/capture/v4l2_controls.h"
 #include "drivers/capture/v4l2_formats.h"
+#include "drivers/capture/v4l2_list.h"
 #include "fake_video_kernel.h"
 
 namespace ninedot {
@@ -292,6 +296,42 @@ TEST(V4l2Formats, ThePreferredFormatThatReachesTheRateIsChosenAndJpegOnlyWhereNo
   EXPECT_EQ(chosen({jpeg, yuyv}, 60, "MJPG"), "MJPG");
   EXPECT_EQ(chosen({unknown, large}, 30), "none");
   EXPECT_EQ(chosen({{V4L2_PIX_FMT_NV12, {}, 0}}, 30), "NV12") << "a driver that lists no sizes may have this one";
+}
+
+TEST(V4l2Formats, AreDescribedInGroupsOfTheSameSizes) {
+  FakeVideoKernel kernel;
+  kernel.formats = {{V4L2_PIX_FMT_GREY, {{640, 480}, {320, 240}}, 60},
+                    {V4L2_PIX_FMT_H264, {{640, 480}}, 60},
+                    {V4L2_PIX_FMT_NV12, {{640, 480}, {320, 240}}, 60},
+                    {V4L2_PIX_FMT_YUYV, {{640, 480}}, 30}};
+  EXPECT_EQ(describe_offers(read_offered_formats(kernel, FakeVideoKernel::kFd)),
+            (std::vector<std::string>{"GREY, NV12 640x480 60 Hz, 320x240 60 Hz", "YUYV 640x480 30 Hz",
+                                      "not readable here: H264"}));
+  EXPECT_EQ(describe_offers({}), std::vector<std::string>{"no format at all"});
+}
+
+TEST(V4l2List, FindsTheNodesThatCaptureAndSaysWhatIsInTheWay) {
+  const std::string folder = testing::TempDir() + "ninedot_dev";
+  std::filesystem::create_directories(folder + "/v4l/by-id");
+  for (const char* const name : {"/video2", "/video10", "/vbi0", "/video-x"}) std::ofstream(folder + name) << "node";
+  std::error_code there;
+  std::filesystem::create_symlink("../../video10", folder + "/v4l/by-id/usb-camera", there);
+  FakeVideoKernel kernel;
+  kernel.formats = {{V4L2_PIX_FMT_GREY, {{640, 480}}, 60}};
+  kernel.add_control(V4L2_CID_GAIN, 0, 100, 16);
+  std::vector<CameraListing> cameras = list_v4l2_cameras(kernel, folder);
+  ASSERT_EQ(cameras.size(), 2U);
+  EXPECT_EQ(cameras[0].device, folder + "/video2");
+  EXPECT_EQ(cameras[1].device, folder + "/video10");
+  EXPECT_EQ(cameras[1].steady_device, folder + "/v4l/by-id/usb-camera");
+  EXPECT_EQ(cameras[1].formats, std::vector<std::string>{"GREY 640x480 60 Hz"});
+  EXPECT_EQ(cameras[1].controls, std::vector<std::string>{"A control: 0 to 100 step 1, now 16"});
+  kernel.open_error = EACCES;
+  EXPECT_NE(list_v4l2_cameras(kernel, folder).at(0).problem.find("permission missing"), std::string::npos);
+  kernel.open_error = 0;
+  kernel.capabilities = V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_STREAMING;
+  EXPECT_TRUE(list_v4l2_cameras(kernel, folder).empty());
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace
