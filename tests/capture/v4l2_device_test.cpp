@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -226,6 +227,29 @@ TEST(V4l2Device, AJpegThatIsDamagedIsAnUnreadableFrameAndItsBufferGoesBack) {
   bench.kernel.deliver({.stamp = mono_now()});
   EXPECT_EQ(device.grab(mono_now()).error().code, Errc::kFrameUnreadable);
   EXPECT_EQ(bench.kernel.queued.size(), 4U);
+}
+
+TEST(V4l2Device, AJpegIsDecodedIntoItsOwnMemory) {
+  std::ifstream stream(std::string(NINEDOT_SOURCE_DIR) + "/tests/fuzz/corpus/picture/grey.jpg", std::ios::binary);
+  const std::vector<char> file(std::istreambuf_iterator<char>(stream), {});
+  const std::vector<std::uint8_t> bytes(file.begin(), file.end());
+  ASSERT_FALSE(bytes.empty());
+  ASSERT_LE(bytes.size(), 4096U);
+  const Result<PictureSize> size = read_picture_size(bytes);
+  ASSERT_TRUE(size);
+  std::vector<std::uint8_t> expected(size->pixel_count());
+  ASSERT_TRUE(PictureDecoder(*size).decode(bytes, expected));
+
+  Bench bench(V4L2_PIX_FMT_MJPEG);
+  bench.kernel.formats = {{V4L2_PIX_FMT_MJPEG, {{size->width_px, size->height_px}}, 50}};
+  bench.request.width_px = size->width_px;
+  bench.request.height_px = size->height_px;
+  V4l2Device& device = bench.opened();
+  bench.kernel.deliver({.stamp = mono_now(), .bytes = static_cast<std::uint32_t>(bytes.size())});
+  std::ranges::copy(bytes, bench.kernel.memory[bench.kernel.filled.front().index].begin());
+  const Result<CapturedFrame> frame = device.grab(mono_now());
+  ASSERT_TRUE(frame);
+  EXPECT_TRUE(std::equal(expected.begin(), expected.end(), frame->luma.pixels));
 }
 
 TEST(V4l2Controls, AutomaticsAreSwitchedOffBeforeTheValuesAreWrittenAndSoAtEachOpening) {
