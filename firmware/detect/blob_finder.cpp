@@ -87,6 +87,9 @@ bool grey_moments(const ImageView& picture, const Region& region, double noise_l
     for (int x = x0; x < x1; ++x) {
       const double weight = paper - picture.at(x, y);
       if (weight < floor) continue;
+      // What gets darker again further out is something else: another dot, the wall beyond the sheet.
+      const int nearer_x = std::clamp(x, x0 + 1, x1 - 2), nearer_y = std::clamp(y, y0 + 1, y1 - 2);
+      if (picture.at(x, y) + 4 * noise_lsb < picture.at(nearer_x, nearer_y)) continue;
       s += weight, sx += weight * x, sy += weight * y;
       sxx += weight * x * x, sxy += weight * x * y, syy += weight * y * y;
     }

@@ -103,8 +103,8 @@ const ImageBuffer& SpotThreshold::compute(const ImageView& half, int min_contras
   slide_along_columns(scratch_, closed_, strip_[0], strip_[1], kAfter, kBefore, Minimum{});
 
   for (int y = 0; y < height; ++y)
-    slide_along_row(half.row(y), scratch_.row(y), line_a, line_b, width, kBefore, kAfter, Minimum{});
-  slide_along_columns(scratch_, eroded_, strip_[0], strip_[1], kBefore, kAfter, Minimum{});
+    slide_along_row(half.row(y), scratch_.row(y), line_a, line_b, width, kInkReach_px, kInkReach_px, Minimum{});
+  slide_along_columns(scratch_, eroded_, strip_[0], strip_[1], kInkReach_px, kInkReach_px, Minimum{});
 
   const auto least = static_cast<std::uint8_t>(std::clamp(min_contrast_lsb, 0, 255));
   for (int y = 0; y < height; ++y) {

@@ -20,6 +20,10 @@ class SpotThreshold {
   /// Side of the closing's square in pixels of the half-size picture: spots up to twice that many pixels of the full
   /// one.
   static constexpr int kSquare_px = 12;
+  /// Ink is the darkest pixel of the half-size picture within this many of its pixels. A blurred small dot is paler
+  /// than the large one beside it, whose ink must not be taken for its own; and no edge that is seen at this level is
+  /// wider.
+  static constexpr int kInkReach_px = 3;
 
   SpotThreshold(int max_half_width_px, int max_half_height_px);
 

@@ -24,6 +24,8 @@ constexpr double kSettled = 1e-4;         // ambiguity of a track that has told 
 constexpr double kSettledDifference = 18.4;  // the difference of chi^2 that belongs to it
 constexpr double kApart_rad = 0.17;          // the two solutions' angle from which a track tells them apart
 constexpr double kCloseStart_px = 0.4;       // residual of centroids that a track may start from at once
+constexpr double kMaxMisfit = 0.3;           // of a dot's radius: what is further off is no print of the landmark
+constexpr double kMaxSigma = 0.1;            // of the distance: whoever knows no more has no position
 constexpr double kMinGroupShare = 0.3;       // of a dot's groups, to count it as used
 
 double angle_between(const CameraFromLandmark& a, const CameraFromLandmark& b) noexcept {
@@ -194,7 +196,11 @@ Result<PoseEstimate> FullSolver::solve(const ImageView& luma, const LandmarkObse
   }
   if (!ok) return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
   PoseEstimate pose = w.conclude(*best, std::min(ambiguity, 1.0));
-  if (!pose.covariance.allFinite() || pose.dots_used < 3)
+  const double dot_px = w.camera.fx_px * w.landmark.dot_radius_m / pose.T_landmark_camera.translation_m.norm();
+  if (pose.rms_px > kMaxMisfit * dot_px)
+    return fail(Errc::kNoLandmark, "the outlines do not lie where those of one landmark would");
+  const double sigma_m = std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace());
+  if (!(sigma_m < kMaxSigma * pose.T_landmark_camera.translation_m.norm()) || pose.dots_used < 3)
     return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
   w.last = best->state();
   return pose;

@@ -84,6 +84,26 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
+/// Far away the point spread makes the small dots paler than P9, and a tone curve more so.
+TEST(Detector, FindsFadedDotsAtSevenMetres) {
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  int found = 0, asked = 0;
+  for (const auto tone : {test::ToneCurve::kLinear, test::ToneCurve::kSrgb}) {
+    for (std::uint64_t seed = 0; seed < 12; ++seed, ++asked) {
+      const double turn = static_cast<double>(seed) / 12;
+      test::Scene scene = scene_at({.distance_m = 7,
+                                    .tilt_rad = (10 + 20 * turn) * kDegree,
+                                    .azimuth_rad = (seed % 2 == 0 ? 0 : 180 * kDegree) + 0.3 * (turn - 0.5),
+                                    .roll_rad = 15 * kDegree * (1 - 2 * turn)},
+                                   2.0);
+      scene.sensor.tone = tone;
+      scene.sensor.point_spread_px = 0.7;
+      found += detector.find_landmark(test::render(scene, seed).view()).has_value();
+    }
+  }
+  EXPECT_GE(found, asked - 1);
+}
+
 TEST(Detector, NumbersTheRingByTheExpectedRoll) {
   test::Scene scene = scene_at({.distance_m = 1.2, .tilt_rad = 15 * kDegree, .roll_rad = 90 * kDegree});
   const test::Picture picture = test::render(scene, 1);

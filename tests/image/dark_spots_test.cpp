@@ -49,9 +49,8 @@ TEST(SpotThreshold, IsThePlainDefinitionOfClosingAndErosion) {
   Canvas canvas;
   unsigned state = 1;
   for (auto& pixel : canvas.pixels) pixel = static_cast<std::uint8_t>((state = state * 1664525U + 1013904223U) >> 24);
-  const auto extreme = [](const std::vector<std::uint8_t>& in, int before, bool largest) {
+  const auto extreme = [](const std::vector<std::uint8_t>& in, int before, int after, bool largest) {
     std::vector<std::uint8_t> out(in.size());
-    const int after = SpotThreshold::kSquare_px - before - 1;
     for (int y = 0; y < kHeight_px; ++y)
       for (int x = 0; x < kWidth_px; ++x) {
         int best = largest ? 0 : 255;
@@ -65,8 +64,9 @@ TEST(SpotThreshold, IsThePlainDefinitionOfClosingAndErosion) {
     return out;
   };
   constexpr int kBefore = SpotThreshold::kSquare_px / 2;
-  const auto closed = extreme(extreme(canvas.pixels, kBefore, true), SpotThreshold::kSquare_px - kBefore - 1, false);
-  const auto eroded = extreme(canvas.pixels, kBefore, false);
+  constexpr int kAfter = SpotThreshold::kSquare_px - kBefore - 1;
+  const auto closed = extreme(extreme(canvas.pixels, kBefore, kAfter, true), kAfter, kBefore, false);
+  const auto eroded = extreme(canvas.pixels, SpotThreshold::kInkReach_px, SpotThreshold::kInkReach_px, false);
   SpotThreshold spots(kWidth_px, kHeight_px);
   const ImageBuffer& threshold = spots.compute(canvas.view(), kContrast_lsb);
   for (int y = 0; y < kHeight_px; ++y)
