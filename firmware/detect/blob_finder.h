@@ -30,6 +30,9 @@ class BlobFinder {
   /// \param blobs  filled; when there are more than kMaxBlobs, the smallest pictures' (largest blobs') come first
   void find_blobs(const ImageView& luma, Levels levels, BlobList& blobs) noexcept;
 
+  /// Looks at one finer level than the last search of the same picture did. \param blobs  what it filled; added to
+  void add_finer_level(const ImageView& luma, BlobList& blobs) noexcept;
+
   /// Noise of the picture last searched [grey levels, 1-sigma].
   double noise_lsb() const noexcept { return noise_lsb_; }
 
@@ -37,12 +40,14 @@ class BlobFinder {
   ImageView picture_at(int level) const noexcept { return levels_[level - 1].view(); }
 
  private:
+  void search_level(const ImageView& luma, int level, BlobList& blobs) noexcept;
   void collect(const ImageView& picture, std::span<const Region> regions, int level, BlobList& blobs) noexcept;
 
   ImageBuffer levels_[kLevels];  // levels_[i] is the picture at 1 / 2^(i+1)
   SpotThreshold threshold_;
   RegionFinder regions_;
   BlobGrid coarser_;  // the blobs of the levels above the one that is searched
+  Levels searched_;
   double noise_lsb_ = 0;
 };
 

@@ -115,7 +115,9 @@ const ImageBuffer& SpotThreshold::compute(const ImageView& half, int min_contras
     for (int x = 0; x < width; ++x) {
       const auto contrast = static_cast<std::uint8_t>(paper[x] - ink[x]);  // the closing is nowhere darker
       const auto middle = static_cast<std::uint8_t>((paper[x] + ink[x] + 1) >> 1);
-      threshold[x] = contrast >= least ? middle : std::uint8_t{0};
+      const auto share = static_cast<std::uint8_t>(paper[x] / SpotThreshold::kMinContrastShare);
+      const std::uint8_t needed = share > least ? share : least;
+      threshold[x] = contrast >= needed ? middle : std::uint8_t{0};
     }
   }
   return scratch_;
