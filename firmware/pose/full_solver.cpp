@@ -24,9 +24,10 @@ constexpr double kSettled = 1e-4;         // ambiguity of a track that has told 
 constexpr double kSettledDifference = 18.4;  // the difference of chi^2 that belongs to it
 constexpr double kApart_rad = 0.17;          // the two solutions' angle from which a track tells them apart
 constexpr double kCloseStart_px = 0.4;       // residual of centroids that a track may start from at once
-constexpr double kMaxMisfit = 0.3;           // of a dot's radius: what is further off is no print of the landmark
-constexpr double kMaxSigma = 0.1;            // of the distance: whoever knows no more has no position
-constexpr double kMinGroupShare = 0.3;       // of a dot's groups, to count it as used
+constexpr double kWarpShare = 0.5;  // of the centroids' residual: what of it may be the sheet's warp or a shadow's pull
+constexpr double kMaxMisfit = 0.3;  // of a dot's radius: what is further off is no print of the landmark
+constexpr double kMaxSigma = 0.1;   // of the distance: whoever knows no more has no position
+constexpr double kMinGroupShare = 0.3;  // of a dot's groups, to count it as used
 
 double angle_between(const CameraFromLandmark& a, const CameraFromLandmark& b) noexcept {
   return log_so3(a.rotation.transpose() * b.rotation).norm();
@@ -174,9 +175,11 @@ Result<PoseEstimate> FullSolver::solve(const ImageView& luma, const LandmarkObse
   start.T_camera_landmark = starts[0].T_camera_landmark;
   const bool close = previous != nullptr && seen.seen_count >= static_cast<int>(kMinCentroids) &&
                      starts[0].rms * w.camera.fx_px < kCloseStart_px;
+  const double warp_px =
+      seen.seen_count > static_cast<int>(kMinCentroids) ? kWarpShare * starts[0].rms * w.camera.fx_px : 0;
   OutlineRefiner* best = &w.refiners[0];
   OutlineRefiner* other = &w.refiners[1];
-  bool ok = best->refine(luma, start, close ? OutlineRefiner::Start::kClose : OutlineRefiner::Start::kRough);
+  bool ok = best->refine(luma, start, close ? OutlineRefiner::Start::kClose : OutlineRefiner::Start::kRough, warp_px);
   double ambiguity = apart_rad < kSamePose_rad ? 0 : std::exp(-0.5 * std::max(coarse, 0.0));
   if (undecided) {
     OutlineState glance = ok ? best->state() : start;
@@ -184,7 +187,8 @@ Result<PoseEstimate> FullSolver::solve(const ImageView& luma, const LandmarkObse
     const double worse_by = ok ? best->chi2_above(glance) : 0;
     if (worse_by > (settled ? kSettledDifference : kDecisive)) {
       ambiguity = std::exp(-0.5 * worse_by);
-    } else if (other->refine(luma, glance, ok ? OutlineRefiner::Start::kClose : OutlineRefiner::Start::kRough)) {
+    } else if (other->refine(luma, glance, ok ? OutlineRefiner::Start::kClose : OutlineRefiner::Start::kRough,
+                             warp_px)) {
       if (!ok) {
         ambiguity = 0;
         std::swap(best, other);

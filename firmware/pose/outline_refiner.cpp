@@ -45,7 +45,7 @@ void OutlineRefiner::collect(const ImageView& luma, double band_px, int thinning
   collect_outline_pixels(luma, camera_, rays_, landmark_, state_.T_camera_landmark, band_px, thinning, split_, pixels_);
 }
 
-bool OutlineRefiner::refine(const ImageView& luma, const OutlineState& start, Start quality) noexcept {
+bool OutlineRefiner::refine(const ImageView& luma, const OutlineState& start, Start quality, double warp_px) noexcept {
   state_ = start;
   split_.fill(false);
   const int first = quality == Start::kRough ? 0 : 1;
@@ -64,7 +64,7 @@ bool OutlineRefiner::refine(const ImageView& luma, const OutlineState& start, St
     }
     for (std::size_t g = 0; g < pixels_.groups.size(); ++g)
       fit_group(pixels_, pixels_.groups[g], landmark_, state_, true, fits_[g]);
-    weigh_groups(kShiftFloor_px[static_cast<std::size_t>(std::min(i, 2))]);
+    weigh_groups(std::max(kShiftFloor_px[static_cast<std::size_t>(std::min(i, 2))], warp_px));
     just_split = i >= 1 && i <= 3 && split_shadowed_dots();
 
     UnknownVector step;

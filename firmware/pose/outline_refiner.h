@@ -25,8 +25,9 @@ class OutlineRefiner {
     kClose,  ///< outlines within about half a pixel, blur and offset as in the frame before
   };
 
+  /// \param warp_px  how far the dots may lie from where one flat sheet shows them, before any is an outlier
   /// \return  false when the visible outlines determine nothing; then the rest means nothing
-  bool refine(const ImageView& luma, const OutlineState& start, Start quality) noexcept;
+  bool refine(const ImageView& luma, const OutlineState& start, Start quality, double warp_px) noexcept;
 
   /// How much worse `other` explains the pixels that this state was fitted to, in units of the noise.
   double chi2_above(const OutlineState& other) const noexcept;
