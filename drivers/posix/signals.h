@@ -1,10 +1,10 @@
 #pragma once
-/// SIGINT and SIGTERM, taken on the main thread instead of in a handler.
+/// SIGINT, SIGTERM and SIGHUP, taken on the main thread instead of in a handler.
 #include <chrono>
 
 namespace ninedot {
 
-/// Blocks SIGINT and SIGTERM in the calling thread and in all that it starts afterwards, and ignores SIGPIPE (a reader
+/// Blocks SIGINT, SIGTERM and SIGHUP in the calling thread and in all that it starts afterwards, and ignores SIGPIPE (a reader
 /// that goes away is no reason to end). Make one before the first thread starts.
 class TerminationSignals {
  public:
