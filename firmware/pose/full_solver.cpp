@@ -25,6 +25,8 @@ constexpr double kSettledDifference = 18.4;  // the difference of chi^2 that bel
 constexpr double kApart_rad = 0.17;          // the two solutions' angle from which a track tells them apart
 constexpr double kCloseStart_px = 0.4;       // residual of centroids that a track may start from at once
 constexpr double kWarpShare = 0.5;  // of the centroids' residual: what of it may be the sheet's warp or a shadow's pull
+constexpr double kCommonShift_px =
+    0.002;                          // of all outlines alike, beyond noise: rendered sRGB pictures, tone-curve residue
 constexpr double kMaxMisfit = 0.3;  // of a dot's radius: what is further off is no print of the landmark
 constexpr double kMaxSigma = 0.1;   // of the distance: whoever knows no more has no position
 constexpr double kMinGroupShare = 0.3;  // of a dot's groups, to count it as used
@@ -135,6 +137,7 @@ PoseEstimate FullSolver::Workspace::conclude(const OutlineRefiner& best, double 
   const UnknownMatrix all = best.information().inverse();
   pose.covariance = M * all.topLeftCorner<6, 6>() * M.transpose();
   pose.covariance = 0.5 * (pose.covariance + pose.covariance.transpose()).eval();
+  pose.covariance.bottomRightCorner<3, 3>().diagonal().array() += std::pow(kCommonShift_px / camera.fx_px, 2);
 
   const std::array<double, kDotCount> visible = best.visible_share();
   int ring_missing = 0;

@@ -25,11 +25,8 @@ unsigned luma_at(const PixelFormat& format, const std::vector<std::uint8_t>& pix
       return byte(y, 2 * column + 1);
     case PixelLayout::kLuma16:
       return std::min(255U, (byte(y, 2 * column) + 256 * byte(y, 2 * column + 1)) / (1U << format.surplus_bits));
-    case PixelLayout::kPacked10: {
-      const std::size_t group = column / 4 * 5;
-      const unsigned lowest = group + 4 < stride ? byte(y, group + 4) >> (2 * (column % 4)) & 3U : 0U;
-      return (byte(y, group + column % 4) * 4 + lowest) / 4;
-    }
+    case PixelLayout::kPacked10:  // the group's fifth byte holds the bits that eight do not need
+      return byte(y, column / 4 * 5 + column % 4);
     case PixelLayout::kPacked12:
       return byte(y, column / 2 * 3 + column % 2);
     case PixelLayout::kBayer8: {
