@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "drivers/modbus/counters.h"
-#include "drivers/modbus/file_descriptor.h"
 #include "drivers/modbus/options.h"
 #include "drivers/modbus/register_bank.h"
 #include "drivers/modbus/rtu_receiver.h"
+#include "drivers/posix/file_descriptor.h"
 
 namespace ninedot {
 

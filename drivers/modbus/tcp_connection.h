@@ -8,8 +8,8 @@
 #include <string>
 
 #include "base/mono_time.h"
-#include "drivers/modbus/file_descriptor.h"
 #include "drivers/modbus/register_bank.h"
+#include "drivers/posix/file_descriptor.h"
 
 namespace ninedot {
 

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "drivers/modbus/counters.h"
-#include "drivers/modbus/file_descriptor.h"
 #include "drivers/modbus/options.h"
 #include "drivers/modbus/peer_filter.h"
 #include "drivers/modbus/register_bank.h"
 #include "drivers/modbus/tcp_connection.h"
+#include "drivers/posix/file_descriptor.h"
 
 namespace ninedot {
 

@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "drivers/modbus/file_descriptor.h"
+#include "drivers/posix/file_descriptor.h"
 
 namespace ninedot::test {
 
