@@ -1,0 +1,53 @@
+#pragma once
+/// The little that is used of libgpiod, the same for its versions 1.6 and 2.x: gpio_kernel_v1.cpp and
+/// gpio_kernel_v2.cpp implement it, one of them is compiled.
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace ninedot {
+
+struct GpioLine {
+  std::string name;      ///< as the device tree calls it; empty: none
+  std::string consumer;  ///< who uses it; empty: nobody
+};
+
+struct GpioChip {
+  std::string path;   ///< "/dev/gpiochip0": changes with kernels and overlays
+  std::string label;  ///< "pinctrl-bcm2711": does not
+  std::vector<GpioLine> lines;
+  int open_errno = 0;  ///< not 0: it could not be opened, and label and lines are unknown
+};
+
+enum class GpioBias { kUnchanged, kPullUp, kPullDown };
+
+struct GpioRequest {
+  std::string chip_path;
+  unsigned offset = 0;
+  bool active_low = false;
+  std::string consumer = "ninedot";  ///< what others see as the user of the line
+};
+
+/// One line, ours from the request to the destructor. The kernel takes it back when the process dies, however it dies.
+class GpioHandle {
+ public:
+  virtual ~GpioHandle() = default;
+  /// \return  0 or an errno
+  virtual int set(bool active) noexcept = 0;
+  /// \return  1 active, 0 not, below 0: a negative errno
+  virtual int get() noexcept = 0;
+  /// Becomes readable at an edge; of an input only.
+  virtual int event_fd() const noexcept = 0;
+  /// Forgets the edges that were seen so far.
+  virtual void drop_events() noexcept = 0;
+};
+
+/// All chips, in the order of their paths.
+std::vector<GpioChip> list_gpio_chips();
+
+/// Null: refused, errno says why.
+std::unique_ptr<GpioHandle> request_gpio_output(const GpioRequest& request, bool active);
+/// Watches both edges. Null: refused, errno says why.
+std::unique_ptr<GpioHandle> request_gpio_input(const GpioRequest& request, GpioBias bias);
+
+}  // namespace ninedot
