@@ -1,0 +1,47 @@
+#pragma once
+/// One axis of a head: its angle as the hardware wants it, a pulse width or a position in steps.
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "ports/pan_tilt.h"
+
+namespace ninedot {
+
+struct AxisPoint {
+  double angle_rad = 0;
+  double output = 0;  ///< pulse width [us], or position [steps]
+};
+
+/// Piecewise linear between the points of a calibration, and on beyond its ends; cut at the output's limits.
+/// Memory: inside. Threads: pure.
+class ServoAxis {
+ public:
+  static constexpr std::size_t kMaxPoints = 32;
+
+  /// What is wrong with a calibration; empty: nothing. It needs 2 to kMaxPoints points whose angles rise strictly and whose
+  /// outputs rise or fall strictly.
+  static std::string problem_of(std::span<const AxisPoint> points);
+
+  /// \param points  without a problem (contract) \param min_output, max_output  in this order (contract)
+  ServoAxis(std::span<const AxisPoint> points, double min_output, double max_output) noexcept;
+
+  struct Output {
+    double value = 0;
+    bool limited = false;
+  };
+  Output output_at(double angle_rad) const noexcept;
+  double angle_at(double output) const noexcept;
+
+ private:
+  std::array<AxisPoint, kMaxPoints> points_{};
+  std::size_t count_;
+  double min_output_, max_output_;
+};
+
+struct ServoAxes {
+  ServoAxis pan, tilt;
+};
+
+}  // namespace ninedot

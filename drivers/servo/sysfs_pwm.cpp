@@ -1,0 +1,142 @@
+#include "drivers/servo/sysfs_pwm.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "base/startup_error.h"
+#include "drivers/posix/open_advice.h"
+
+namespace ninedot {
+namespace {
+
+namespace fs = std::filesystem;
+
+// udev gives an exported channel to its group a moment after it appeared.
+constexpr std::chrono::milliseconds kExportTakes{2000};
+
+[[noreturn]] void refuse(const std::string& what) { throw StartupError(ExitStatus::kWrongUsage, what); }
+
+/// \return  0 or an errno
+int try_write(const std::string& path, std::string_view text) noexcept {
+  const FileDescriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  if (!file) return errno;
+  return ::write(file.get(), text.data(), text.size()) < 0 ? errno : 0;
+}
+
+void write(const std::string& path, std::int64_t number) {
+  if (const int error = try_write(path, fmt::format("{}\n", number)); error != 0) refuse(open_advice(path, error));
+}
+
+int channel_count(const std::string& chip_folder) {
+  int count = 0;
+  std::ifstream(chip_folder + "/npwm") >> count;
+  return count;
+}
+
+bool is_folder(const std::string& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+/// A channel that is exported already (a crash left it so) is taken over.
+void export_channel(const std::string& chip_folder, const std::string& channel_folder, int channel) {
+  if (!is_folder(channel_folder))
+    if (const int error = try_write(chip_folder + "/export", fmt::format("{}\n", channel)); error != 0)
+      refuse(error == EBUSY
+                 ? fmt::format("{}: channel {} is used by the kernel itself: choose another", chip_folder, channel)
+                 : open_advice(chip_folder + "/export", error));
+  const std::string duty = channel_folder + "/duty_cycle";
+  const auto deadline = std::chrono::steady_clock::now() + kExportTakes;
+  while (::access(duty.c_str(), W_OK) != 0) {
+    if (std::chrono::steady_clock::now() > deadline) refuse(open_advice(duty, errno));
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+}  // namespace
+
+std::string find_pwm_chip(const std::string& root, const std::string& chip) {
+  std::vector<std::string> others;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(root, error)) {
+    const fs::path device = fs::read_symlink(entry.path() / "device", error);
+    if (device.filename() == chip) return entry.path().string();
+    if (!device.empty()) others.push_back(device.filename().string());
+  }
+  refuse(fmt::format("no PWM chip '{}' in {}: {}", chip, root,
+                     others.empty() ? "there is none: check the device-tree overlay"
+                                    : fmt::format("there is {}", fmt::join(others, ", "))));
+}
+
+void check_sysfs_pwm(const std::string& root, const std::string& chip, int channel) {
+  const std::string folder = find_pwm_chip(root, chip);
+  if (const int count = channel_count(folder); channel >= count)
+    refuse(fmt::format("PWM chip '{}' has the channels 0 to {}, no channel {}", chip, count - 1, channel));
+  const std::string channel_folder = fmt::format("{}/pwm{}", folder, channel);
+  const std::string file = is_folder(channel_folder) ? channel_folder + "/duty_cycle" : folder + "/export";
+  if (::access(file.c_str(), W_OK) != 0) refuse(open_advice(file, errno));
+}
+
+SysfsPwm::SysfsPwm(const std::string& root, const std::string& chip, int channel, std::chrono::nanoseconds period,
+                   std::chrono::nanoseconds pulse)
+    : chip_folder_(find_pwm_chip(root, chip)),
+      channel_folder_(fmt::format("{}/pwm{}", chip_folder_, channel)),
+      channel_(channel) {
+  check_sysfs_pwm(root, chip, channel);
+  export_channel(chip_folder_, channel_folder_, channel);
+  const std::string duty = channel_folder_ + "/duty_cycle";
+  // The kernel refuses a period below the pulse that is set: the old pulse goes first.
+  write(duty, 0);
+  write(channel_folder_ + "/period", period.count());
+  duty_ = FileDescriptor(::open(duty.c_str(), O_WRONLY | O_CLOEXEC));
+  if (!duty_) refuse(open_advice(duty, errno));
+  if (const int error = set_pulse(pulse); error != 0) refuse(open_advice(duty, error));
+  write(channel_folder_ + "/enable", 1);
+}
+
+SysfsPwm::~SysfsPwm() {
+  if (!duty_) return;
+  static_cast<void>(try_write(channel_folder_ + "/enable", "0\n"));
+  static_cast<void>(try_write(chip_folder_ + "/unexport", fmt::format("{}\n", channel_)));
+}
+
+int SysfsPwm::set_pulse(std::chrono::nanoseconds pulse) noexcept {
+  if (pulse.count() == pulse_ns_) return 0;
+  std::array<char, 24> text{};
+  char* const end = std::to_chars(text.data(), text.data() + text.size() - 1, pulse.count()).ptr;
+  *end = '\n';
+  if (::pwrite(duty_.get(), text.data(), static_cast<std::size_t>(end - text.data() + 1), 0) < 0) return errno;
+  pulse_ns_ = pulse.count();
+  return 0;
+}
+
+SysfsPanTilt::SysfsPanTilt(const SysfsPanTiltOptions& options, const ServoAxes& axes, const HeadAngles& neutral)
+    : axes_(axes),
+      pan_(options.root, options.pan_chip, options.pan_channel, options.period,
+           pulse_from_us(axes.pan.output_at(neutral.pan_rad).value)),
+      tilt_(options.root, options.tilt_chip, options.tilt_channel, options.period,
+            pulse_from_us(axes.tilt.output_at(neutral.tilt_rad).value)) {
+  move_to(neutral);
+}
+
+void SysfsPanTilt::move_to(const HeadAngles& angles) noexcept {
+  const ServoAxis::Output pan = axes_.pan.output_at(angles.pan_rad), tilt = axes_.tilt.output_at(angles.tilt_rad);
+  const int pan_error = pan_.set_pulse(pulse_from_us(pan.value));
+  const int tilt_error = tilt_.set_pulse(pulse_from_us(tilt.value));
+  state_.limited = pan.limited || tilt.limited;
+  state_.failed = pan_error != 0 || tilt_error != 0;
+  if (pan_error == 0) state_.angles.pan_rad = axes_.pan.angle_at(pan.value);
+  if (tilt_error == 0) state_.angles.tilt_rad = axes_.tilt.angle_at(tilt.value);
+}
+
+}  // namespace ninedot
