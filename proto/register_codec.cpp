@@ -117,6 +117,10 @@ void put_state(Writer& out, const Report& report, const ServerState& server,
   set(report.calibrated, status_bit::kCalibrated);
   set(report.tracking, status_bit::kTracking);
   set(report.solver == Solver::kEllipse, status_bit::kEllipseSolver);
+  set(report.servo_limit, status_bit::kServoLimit);
+  set(report.inhibited, status_bit::kInhibited);
+  set(report.servo_fault, status_bit::kServoFault);
+  set(report.has_head, status_bit::kHasHead);
   set(server.commands.hold, status_bit::kHeld);
   set(server.writes_enabled, status_bit::kWritesEnabled);
 
@@ -178,6 +182,8 @@ void put_health(Writer& out, const Health& health, const ServerState& server) no
   out.put<reg::kHealthFlags>((health.realtime ? health_bit::kRealtime : 0) |
                              (health.memory_locked ? health_bit::kMemoryLocked : 0));
   out.put<reg::kExceptions>(static_cast<double>(server.exceptions));
+  out.put<reg::kPulseErrorP99>(ms_of(health.pulse_error_p99) * 1e3);
+  out.put<reg::kPulseErrorMax>(ms_of(health.pulse_error_max) * 1e3);
 }
 
 void put_commands(Writer& out, const CommandRegisters& commands) noexcept {

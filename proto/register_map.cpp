@@ -29,6 +29,9 @@ constexpr RegisterBit kStatusBitTable[] = {
     {status_bit::kEllipseSolver, "ellipse_solver", "the pose is from the solver \"ellipse\", not \"full\""},
     {status_bit::kHeld, "held", "this client holds the data block (register 104)"},
     {status_bit::kWritesEnabled, "writes_enabled", "function codes 06 and 16 are accepted"},
+    {status_bit::kInhibited, "inhibited", "the inhibit input keeps the head where it is"},
+    {status_bit::kServoFault, "servo_fault", "the head could not be moved, or does not answer"},
+    {status_bit::kHasHead, "has_head", "there is a pan/tilt head: registers 37 and 38 are its angles"},
 };
 
 constexpr RegisterBit kHealthBitTable[] = {

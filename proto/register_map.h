@@ -119,6 +119,8 @@ inline constexpr auto kRegisterMap = [] {
   { 80, "probe_int32",         kI32,       1,      "",     -kI32Max, kI32Max, kRead, "always -1 (0xFFFF 0xFFFF): signed numbers are read as signed"},
   { 82, "probe_word_order",    kU32,       1,      "",     0,        kU32Max, kRead, "always 0x12345678: the word order of 32-bit integers"},
   { 84, "probe_float",         kF32,       1,      "",     0,        0,       kRead, "always 123456.0: the word order of float32"},
+  { 86, "pulse_error_p99",     kU16,       1,      "us",   0,        kU16Max, kRead, "software-made servo pulses: error of their width, 99 %; 0 where hardware makes them"},
+  { 87, "pulse_error_max",     kU16,       1,      "us",   0,        kU16Max, kRead, "the same, largest"},
   {100, "command",             kU16,       1,      "",     0,        kU16Max, kReadWrite, "command code, see below; carried out when register 101 changes"},
   {101, "command_sequence",    kU16,       1,      "",     0,        kU16Max, kReadWrite, "write a number other than the last one to carry out register 100"},
   {102, "command_acknowledge", kU16,       1,      "",     0,        kU16Max, kRead, "command_sequence of the last command that is finished"},
@@ -196,6 +198,8 @@ NINEDOT_REGISTER(kExceptions, "exceptions");
 NINEDOT_REGISTER(kProbeInt32, "probe_int32");
 NINEDOT_REGISTER(kProbeWordOrder, "probe_word_order");
 NINEDOT_REGISTER(kProbeFloat, "probe_float");
+NINEDOT_REGISTER(kPulseErrorP99, "pulse_error_p99");
+NINEDOT_REGISTER(kPulseErrorMax, "pulse_error_max");
 NINEDOT_REGISTER(kCommand, "command");
 NINEDOT_REGISTER(kCommandSequence, "command_sequence");
 NINEDOT_REGISTER(kCommandAcknowledge, "command_acknowledge");
@@ -218,7 +222,8 @@ struct RegisterBit {
 namespace status_bit {
 inline constexpr std::uint16_t kValid = 1U << 0, kFound = 1U << 1, kAmbiguous = 1U << 2, kStale = 1U << 3,
                                kCalibrated = 1U << 4, kServoLimit = 1U << 5, kThrottled = 1U << 6, kTracking = 1U << 7,
-                               kEllipseSolver = 1U << 8, kHeld = 1U << 9, kWritesEnabled = 1U << 10;
+                               kEllipseSolver = 1U << 8, kHeld = 1U << 9, kWritesEnabled = 1U << 10,
+                               kInhibited = 1U << 11, kServoFault = 1U << 12, kHasHead = 1U << 13;
 }
 extern const std::span<const RegisterBit> kStatusBits;
 

@@ -67,7 +67,11 @@ struct Report {
   double swing_psi_rad = 0, tilt_phi_rad = 0, pan_theta_rad = 0;
   double distance_m = 0, image_distance_m = 0, deviation_rad = 0;
 
+  bool has_head = false;             ///< there is a pan/tilt head
   double pan_rad = 0, tilt_rad = 0;  ///< of the pan/tilt head; 0 without one
+  bool servo_limit = false;          ///< the head stands at an end of its range and should go further
+  bool servo_fault = false;          ///< the head could not be moved, or does not answer
+  bool inhibited = false;            ///< the inhibit input keeps the head where it is
 };
 static_assert(std::is_trivially_copyable_v<Report>);
 
@@ -80,8 +84,9 @@ struct Health {
   std::uint32_t frames_failed = 0;   ///< arrived, but unreadable or of a wrong size
   std::uint32_t camera_restarts = 0;
   std::chrono::nanoseconds latency_median{}, latency_p99{}, latency_p999{}, latency_max{};
-  double temperature_degC = 0;  ///< of the board, NaN where unknown
-  bool realtime = false;        ///< the frame loop runs under SCHED_FIFO
+  std::chrono::nanoseconds pulse_error_p99{}, pulse_error_max{};  ///< of software-made servo pulses' widths, else 0
+  double temperature_degC = 0;                                    ///< of the board, NaN where unknown
+  bool realtime = false;                                          ///< the frame loop runs under SCHED_FIFO
   bool memory_locked = false;
 };
 static_assert(std::is_trivially_copyable_v<Health>);

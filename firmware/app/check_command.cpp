@@ -17,6 +17,7 @@
 #include "app/commands.h"
 #include "app/config_checks.h"
 #include "app/localiser_options.h"
+#include "app/open_head.h"
 #include "app/open_source.h"
 #include "base/startup_error.h"
 
@@ -92,6 +93,7 @@ void run_check(const std::string& path) {
   refusals.attempt("camera.device", [&] { open_source(config.camera, FrameDemand::kEveryFrame); });
   refusals.attempt("camera.calibration", [&] { camera = read_camera_calibration(config.camera); });
   refusals.attempt("landmarks", [&] { static_cast<void>(localiser_options(config)); });
+  check_head(config, [&](const char* key, const std::function<void()>& step) { refusals.attempt(key, step); });
   check_modbus(config, refusals);
 
   fmt::print("{}: ok\n", path);
@@ -100,6 +102,10 @@ void run_check(const std::string& path) {
   fmt::print("  landmark  ring radius {} mm, dots {} mm, centre dot {} mm\n", config.landmark.ring_radius_mm,
              config.landmark.dot_diameter_mm, config.landmark.centre_diameter_mm);
   fmt::print("  pose      solver {}\n", config.pose.solver);
+  if (config.pan_tilt.driver != "none")
+    fmt::print("  pan/tilt  {}, pan {} to {} deg, tilt {} to {} deg\n", config.pan_tilt.driver,
+               config.pan_tilt.pan.min_deg, config.pan_tilt.pan.max_deg, config.pan_tilt.tilt.min_deg,
+               config.pan_tilt.tilt.max_deg);
   if (config.modbus_tcp.enabled)
     fmt::print("  modbus    TCP {} port {}\n", config.modbus_tcp.listen, config.modbus_tcp.port);
   if (config.modbus_rtu.enabled)

@@ -13,5 +13,6 @@ void add_pattern_command(CLI::App& app);
 void add_check_command(CLI::App& app);
 void add_registers_command(CLI::App& app);
 void add_status_command(CLI::App& app);
+void add_aim_command(CLI::App& app);
 
 }  // namespace ninedot

@@ -223,6 +223,19 @@ class ConfigReader {
     assign(key, (*array)[2], slot.z_mm, line);
   }
 
+  void assign(const ConfigKey& key, const toml::node& node, std::vector<CalibrationPoint>* slot, int line) {
+    const toml::array* array = node.as_array();
+    if (array == nullptr) return refuse_type(key, line, "a list of pairs, [[-45, 1000], [45, 2000]]");
+    for (const toml::node& item : *array) {
+      const toml::array* pair = item.as_array();
+      if (pair == nullptr || pair->size() != 2)
+        return refuse_type(key, line, "a list of pairs, [[-45, 1000], [45, 2000]]");
+      CalibrationPoint& point = slot->emplace_back();
+      assign(key, (*pair)[0], &point.angle_deg, line);
+      assign(key, (*pair)[1], &point.output, line);
+    }
+  }
+
   const toml::table& root_;
   ConfigProblems& problems_;
   Config config_;

@@ -54,9 +54,45 @@ struct EllipseConfig {
   double kmm_mm_per_px = 0, p1 = 0, p2 = 0, p3 = 0, cu = 0, cv = 0;
 };
 
+struct CalibrationPoint {
+  double angle_deg = 0;
+  double output = 0;  ///< pulse width [us], or position [steps]
+};
+
+/// [pan_tilt.pan], [pan_tilt.tilt]
+struct HeadAxisConfig {
+  double min_deg = -45, max_deg = 45;         ///< `min_deg`, `max_deg`: -180..180; the axis is never sent beyond
+  double neutral_deg = 0;                     ///< `neutral_deg`: where it stands at the start
+  double slew_deg_per_s = 60;                 ///< `slew_deg_per_s`: 0.1..3600
+  std::string direction = "normal";           ///< `direction`: normal | reversed
+  double centre_us = 1500, us_per_deg = 10;   ///< `centre_us`, `us_per_deg`: pulse at 0 deg, and its change
+  double min_us = 1000, max_us = 2000;        ///< `min_us`, `max_us`: 200..5000; no pulse is ever beyond
+  std::vector<CalibrationPoint> calibration;  ///< `calibration`: [[angle_deg, pulse_us], ...]
+  std::string chip;                           ///< `chip`: sysfs-pwm: the PWM chip's device
+  int channel = 0;                            ///< `channel`: sysfs-pwm: 0..63
+  std::string line;                           ///< `line`: gpio: NAME or LABEL:OFFSET
+};
+
 /// [pan_tilt]
 struct PanTiltConfig {
   std::string driver = "none";  ///< `driver`: none | sysfs-pwm | gpio | visca | simulated
+  bool follow = true;           ///< `follow`: the head follows the landmark from the start on
+  double gain = 0.5;            ///< `gain`: 0.01..1; part of the deviation that one frame takes away
+  double dead_band_deg = 0.2;   ///< `dead_band_deg`: 0..10; a smaller deviation is no reason to move
+  double period_ms = 20;        ///< `period_ms`: 5..40; of servo pulses
+  int pulse_priority = 60;      ///< `pulse_priority`: gpio: 0 (off)..99, SCHED_FIFO of the thread that makes pulses
+  std::string device;           ///< `device`: visca: serial port
+  int address = 1;              ///< `address`: visca: 1..7
+  int zoom = -1;                ///< `zoom`: visca: 0..1023, set at the start; -1 = left as it is
+  HeadAxisConfig pan, tilt;
+  PanTiltConfig() { tilt.channel = 1; }
+};
+
+/// [gpio]: single lines; empty = none
+struct GpioConfig {
+  std::string servo_power, status_led, inhibit;  ///< `servo_power`, `status_led`, `inhibit`: NAME or LABEL:OFFSET
+  bool servo_power_active_low = false, status_led_active_low = false, inhibit_active_low = false;
+  std::string inhibit_bias = "unchanged";  ///< `inhibit_bias`: unchanged | pull-up | pull-down
 };
 
 /// [modbus]
@@ -99,6 +135,7 @@ struct Config {
   PoseConfig pose;
   EllipseConfig ellipse;
   PanTiltConfig pan_tilt;
+  GpioConfig gpio;
   ModbusConfig modbus;
   ModbusTcpConfig modbus_tcp;
   ModbusRtuConfig modbus_rtu;

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/head_options.h"
+
 namespace ninedot {
 namespace {
 
@@ -99,6 +101,12 @@ void check_modbus(const Config& config, ConfigProblems& problems) {
   if (config.modbus_rtu.device.empty()) problems.add(problems.line_of("modbus.rtu.device"), "'device' is empty");
 }
 
+void check_head(const PanTiltConfig& pan_tilt, ConfigProblems& problems) {
+  if (pan_tilt.driver == "none") return;
+  if (const HeadProblem problem = find_head_problem(pan_tilt); !problem.what.empty())
+    problems.add(problems.line_of(problem.key), problem.what);
+}
+
 }  // namespace
 
 int ConfigProblems::line_of(std::string_view key) const {
@@ -113,6 +121,7 @@ int ConfigProblems::line_of(std::string_view key) const {
 void check_config(const Config& config, ConfigProblems& problems) {
   check_geometry(config.landmark, problems);
   check_landmarks(config.landmarks, problems);
+  check_head(config.pan_tilt, problems);
   check_modbus(config, problems);
 }
 

@@ -15,10 +15,40 @@ constexpr double kMaxPosition_mm = 1e7;  // 10 km
 // A macro keeps the table one line per key: a captureless lambda cannot be written shorter.
 #define SLOT(member) [](Config& config) -> ConfigSlot { return &config.member; }
 
+// Both axes have the same keys.
+template <HeadAxisConfig PanTiltConfig::*axis>
+constexpr auto head_axis_keys(std::string_view table) {
+#define AXIS_SLOT(member) [](Config& config) -> ConfigSlot { return &(config.pan_tilt.*axis).member; }
+  return std::array{
+      ConfigKey{table, "min_deg", "deg", -180, 180, "", "the head is never sent below", AXIS_SLOT(min_deg)},
+      ConfigKey{table, "max_deg", "deg", -180, 180, "", "the head is never sent above", AXIS_SLOT(max_deg)},
+      ConfigKey{table, "neutral_deg", "deg", -180, 180, "", "where it stands at the start", AXIS_SLOT(neutral_deg)},
+      ConfigKey{table, "slew_deg_per_s", "deg/s", 0.1, 3600, "", "fastest turn", AXIS_SLOT(slew_deg_per_s)},
+      ConfigKey{table, "direction", "", 0, 0, "normal|reversed",
+                "`normal`: a longer pulse, or a larger position, turns to the left or upwards", AXIS_SLOT(direction)},
+      ConfigKey{table, "centre_us", "us", 200, 5000, "", "pulse at 0 deg", AXIS_SLOT(centre_us)},
+      ConfigKey{table, "us_per_deg", "us/deg", 0.1, 1000, "", "change of the pulse", AXIS_SLOT(us_per_deg)},
+      ConfigKey{table, "min_us", "us", 200, 5000, "", "no pulse is ever shorter", AXIS_SLOT(min_us)},
+      ConfigKey{table, "max_us", "us", 200, 5000, "", "no pulse is ever longer", AXIS_SLOT(max_us)},
+      ConfigKey{
+          table, "calibration", "", -1e5, 1e5, "",
+          "points `[angle_deg, pulse_us]`, with `visca` `[angle_deg, steps]`, by rising angle; takes the place of "
+          "direction, centre_us and us_per_deg",
+          AXIS_SLOT(calibration)},
+      ConfigKey{table, "chip", "", 0, 0, "",
+                "`sysfs-pwm`: device of the PWM chip, where /sys/class/pwm/pwmchipN/device points to: `fe20c000.pwm`",
+                AXIS_SLOT(chip)},
+      ConfigKey{table, "channel", "", 0, 63, "", "`sysfs-pwm`: channel of the chip", AXIS_SLOT(channel)},
+      ConfigKey{table, "line", "", 0, 0, "", "`gpio`: a line's name, or chip label and offset `LABEL:OFFSET`",
+                AXIS_SLOT(line)},
+  };
+#undef AXIS_SLOT
+}
+
 constexpr std::string_view kPixelFormats =
     "auto|GREY|NV12|NV21|YU12|YUYV|UYVY|Y10|Y12|Y16|Y10P|Y12P|RGGB|BGGR|GRBG|GBRG|MJPG";
 
-const std::array kKeys{
+const std::array kKeysUpToTheHead{
     ConfigKey{"camera", "source", "", 0, 0, "libcamera|v4l2|recording|simulated", "where frames come from",
               SLOT(camera.source)},
     ConfigKey{
@@ -99,8 +129,42 @@ const std::array kKeys{
     ConfigKey{"pose.ellipse", "cu", "", -1, 1, "", "off-centre correction along u (32)", SLOT(ellipse.cu)},
     ConfigKey{"pose.ellipse", "cv", "", -1, 1, "", "off-centre correction along v (33)", SLOT(ellipse.cv)},
 
-    ConfigKey{"pan_tilt", "driver", "", 0, 0, "none|sysfs-pwm|gpio|visca|simulated", "how the head is moved",
+    ConfigKey{"pan_tilt", "driver", "", 0, 0, "none|sysfs-pwm|gpio|visca|simulated",
+              "how the head is moved: PWM of the kernel, pulses on GPIO lines, a camera that speaks VISCA, not at all",
               SLOT(pan_tilt.driver)},
+    ConfigKey{"pan_tilt", "follow", "", 0, 0, "",
+              "keep the landmark in the middle of the picture from the start on; else stay until a command comes",
+              SLOT(pan_tilt.follow)},
+    ConfigKey{"pan_tilt", "gain", "", 0.01, 1, "", "part of the deviation from the middle that one frame takes away",
+              SLOT(pan_tilt.gain)},
+    ConfigKey{"pan_tilt", "dead_band_deg", "deg", 0, 10, "", "a smaller deviation is no reason to move",
+              SLOT(pan_tilt.dead_band_deg)},
+    ConfigKey{"pan_tilt", "period_ms", "ms", 5, 40, "", "`sysfs-pwm`, `gpio`: from pulse to pulse",
+              SLOT(pan_tilt.period_ms)},
+    ConfigKey{"pan_tilt", "pulse_priority", "", 0, 99, "",
+              "`gpio`: SCHED_FIFO priority of the thread that makes the pulses; 0 = off",
+              SLOT(pan_tilt.pulse_priority)},
+    ConfigKey{"pan_tilt", "device", "", 0, 0, "", "`visca`: serial port of the camera", SLOT(pan_tilt.device)},
+    ConfigKey{"pan_tilt", "address", "", 1, 7, "", "`visca`: the camera's place in the chain", SLOT(pan_tilt.address)},
+    ConfigKey{"pan_tilt", "zoom", "", -1, 1023, "",
+              "`visca`: zoom position set at the start, the one that the camera was calibrated at; -1 = left as it is",
+              SLOT(pan_tilt.zoom)},
+};
+
+const std::array kKeysAfterTheHead{
+    ConfigKey{"gpio", "servo_power", "", 0, 0, "",
+              "output: active while the head may be driven; a line's name, or chip label and offset `LABEL:OFFSET`",
+              SLOT(gpio.servo_power)},
+    ConfigKey{"gpio", "servo_power_active_low", "", 0, 0, "", "low = the servos have power",
+              SLOT(gpio.servo_power_active_low)},
+    ConfigKey{"gpio", "status_led", "", 0, 0, "", "output: blinks what is the matter, see docs/pan-tilt.md",
+              SLOT(gpio.status_led)},
+    ConfigKey{"gpio", "status_led_active_low", "", 0, 0, "", "low = lit", SLOT(gpio.status_led_active_low)},
+    ConfigKey{"gpio", "inhibit", "", 0, 0, "", "input: while it is active the head does not move", SLOT(gpio.inhibit)},
+    ConfigKey{"gpio", "inhibit_active_low", "", 0, 0, "", "low = the head must not move",
+              SLOT(gpio.inhibit_active_low)},
+    ConfigKey{"gpio", "inhibit_bias", "", 0, 0, "unchanged|pull-up|pull-down",
+              "resistor inside the chip, if it has one", SLOT(gpio.inhibit_bias)},
 
     ConfigKey{"modbus", "position_scale_16bit_mm", "mm", 0.01, 100, "", "one step of the 16-bit x, y, z",
               SLOT(modbus.position_scale_16bit_mm)},
@@ -143,7 +207,10 @@ constexpr std::array kTables{
                  "the world's origin. Upright on a wall is heading 0."},
     TableMeaning{"pose", "How the pose is computed."},
     TableMeaning{"pose.ellipse", "What the founding paper calibrates off line, for `solver = \"ellipse\"`."},
-    TableMeaning{"pan_tilt", "The pan/tilt head."},
+    TableMeaning{"pan_tilt", "The pan/tilt head: see docs/pan-tilt.md."},
+    TableMeaning{"pan_tilt.pan", "Its lower axis. Angles are positive to the left."},
+    TableMeaning{"pan_tilt.tilt", "Its upper axis. Angles are positive upwards."},
+    TableMeaning{"gpio", "Single digital lines. An empty name = there is none."},
     TableMeaning{"modbus", "What both Modbus servers share."},
     TableMeaning{"modbus.tcp", "Modbus TCP; served when the table is there, be it empty."},
     TableMeaning{"modbus.rtu", "Modbus RTU on a serial line; served when the table is there, be it empty."},
@@ -164,6 +231,7 @@ std::string default_text(const ConfigKey& key) {
     std::string operator()(const std::string* value) const { return fmt::format("\"{}\"", *value); }
     std::string operator()(const std::vector<std::string>*) const { return "[]"; }
     std::string operator()(const PositionSlot&) const { return "[0, 0, 0]"; }
+    std::string operator()(const std::vector<CalibrationPoint>*) const { return "[]"; }
   };
   return std::visit(Printer{}, key.slot(config));
 }
@@ -188,6 +256,7 @@ std::string range_text(const ConfigKey& key) {
     std::string operator()(const std::string*) const { return "text"; }
     std::string operator()(const std::vector<std::string>*) const { return "list of texts"; }
     std::string operator()(const PositionSlot&) const { return "three, each " + numbers(); }
+    std::string operator()(const std::vector<CalibrationPoint>*) const { return "list of pairs"; }
   };
   return std::visit(Printer{key}, key.slot(config));
 }
@@ -203,7 +272,16 @@ This page is made from the table in `firmware/app/config_reference.cpp`; a test 
 
 }  // namespace
 
-std::span<const ConfigKey> config_keys() { return kKeys; }
+std::span<const ConfigKey> config_keys() {
+  static const std::vector<ConfigKey> keys = [] {
+    std::vector<ConfigKey> all(kKeysUpToTheHead.begin(), kKeysUpToTheHead.end());
+    for (const ConfigKey& key : head_axis_keys<&PanTiltConfig::pan>("pan_tilt.pan")) all.push_back(key);
+    for (const ConfigKey& key : head_axis_keys<&PanTiltConfig::tilt>("pan_tilt.tilt")) all.push_back(key);
+    all.insert(all.end(), kKeysAfterTheHead.begin(), kKeysAfterTheHead.end());
+    return all;
+  }();
+  return keys;
+}
 
 std::string_view config_table_meaning(std::string_view table) {
   for (const TableMeaning& entry : kTables)
@@ -214,7 +292,7 @@ std::string_view config_table_meaning(std::string_view table) {
 std::string format_config_reference() {
   std::string text(kIntroduction);
   std::string_view table;
-  for (const ConfigKey& key : kKeys) {
+  for (const ConfigKey& key : config_keys()) {
     if (key.table != table) {
       table = key.table;
       const bool is_array = table == "landmarks";

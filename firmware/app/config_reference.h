@@ -20,7 +20,7 @@ struct PositionSlot {
 
 /// Where a key's value goes; the alternative is the key's type.
 using ConfigSlot = std::variant<bool*, int*, std::uint16_t*, std::uint32_t*, double*, char*, std::string*,
-                                std::vector<std::string>*, PositionSlot>;
+                                std::vector<std::string>*, PositionSlot, std::vector<CalibrationPoint>*>;
 
 struct ConfigKey {
   std::string_view table;  ///< "camera"; "landmarks" is the array of tables [[landmarks]]

@@ -15,6 +15,9 @@ ModbusOptions modbus_options(const Config& config) {
       config.modbus.float_word_order == "low-first" ? WordOrder::kLowFirst : WordOrder::kHighFirst;
   options.allow_writes = config.modbus.allow_writes;
   options.hold_time = std::chrono::milliseconds(config.modbus.hold_ms);
+  if (config.pan_tilt.driver != "none")
+    options.supported_commands =
+        1U << static_cast<unsigned>(Command::kFollow) | 1U << static_cast<unsigned>(Command::kPoint);
   if (config.modbus_tcp.enabled) {
     const auto idle_ms = static_cast<std::int64_t>(std::lround(config.modbus_tcp.idle_timeout_s * 1000));
     options.tcp = ModbusTcpOptions{config.modbus_tcp.listen, config.modbus_tcp.port,

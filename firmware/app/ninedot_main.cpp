@@ -18,5 +18,6 @@ int main(int argc, char** argv) {
   ninedot::add_check_command(app);
   ninedot::add_registers_command(app);
   ninedot::add_status_command(app);
+  ninedot::add_aim_command(app);
   return ninedot::run_program(app, argc, argv);
 }

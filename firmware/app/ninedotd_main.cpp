@@ -1,5 +1,6 @@
 // The service. Its main() is the architecture: configuration -> source -> localiser -> frame loop, which publishes into
-// two mailboxes; Modbus servers, which read them; and a main thread that owns everything and waits for a signal.
+// two mailboxes and turns the head; Modbus servers, which read them; and a main thread that owns everything and waits
+// for a signal.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +13,7 @@
 #include "app/live_display.h"
 #include "app/localiser_options.h"
 #include "app/modbus_options.h"
+#include "app/open_head.h"
 #include "app/open_source.h"
 #include "app/program.h"
 #include "app/service_watch.h"
@@ -35,6 +37,7 @@ void run_service(const std::string& config_path, bool live) {
   const OpenedSource camera = open_source(config.camera, FrameDemand::kNewest);
   const CameraModel model = read_camera_calibration(config.camera);
   Localiser localiser(model, localiser_options(config));
+  const OpenedHead head = open_head(config, model);
   LatestValue<Report> reports;
   LatestValue<Health> health;
   const int memory_refused = config.service.lock_memory ? lock_memory() : ECANCELED;
@@ -43,9 +46,10 @@ void run_service(const std::string& config_path, bool live) {
   loop_options.stall_after =
       std::max(loop_options.stall_after, std::chrono::duration_cast<std::chrono::nanoseconds>(stall));
   loop_options.memory_locked = memory_refused == 0;
+  loop_options.head = head.control.get();
   FrameLoop frames(*camera.frames, localiser, reports, health, loop_options);
   const ModbusOptions modbus = modbus_options(config);
-  const ModbusServer server(reports, health, modbus);
+  ModbusServer server(reports, health, modbus);
 
   std::optional<LiveDisplay> display;
   if (live) display.emplace(stdout, how_to_read(modbus));
@@ -55,12 +59,15 @@ void run_service(const std::string& config_path, bool live) {
   log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION, config.camera.device, model.width_px,
                         model.height_px, config.pose.solver));
   if (!camera.description.empty()) log.write("camera: " + camera.description);
+  if (!head.description.empty()) log.write("pan/tilt: " + head.description);
   log.write("frame loop: " + realtime_text(config.service.realtime_priority, realtime_refused));
   log.write("memory: " + memory_text(config.service.lock_memory, memory_refused));
   for (const std::string& command : reading_commands(modbus)) log.write("read the position with: " + command);
   if (!modbus.tcp && !modbus.rtu) log.write("no Modbus server: add [modbus.tcp] or [modbus.rtu] to the configuration");
 
-  watch_until_signalled(signals, {frames, reports, health, server, modbus.codec}, log, display ? &*display : nullptr);
+  watch_until_signalled(signals,
+                        {frames, reports, health, server, modbus.codec, head.control.get(), head.status_led.get()}, log,
+                        display ? &*display : nullptr);
   frames.stop();
 }
 

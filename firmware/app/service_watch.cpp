@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <optional>
 
 #include "app/live_display.h"
+#include "app/status_led.h"
 #include "app/status_view.h"
 #include "drivers/posix/board_temperature.h"
 #include "drivers/posix/service_manager.h"
@@ -14,7 +16,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kPeriod = 100ms;
+// What a client's command waits for at most.
+constexpr auto kPeriod = 20ms;
 
 /// The registers as a client that asks now would read them.
 RegisterBlock registers_now(const RunningService& service, std::uint32_t clients, MonoTime now) {
@@ -35,6 +38,13 @@ void show(LiveDisplay& display, const RunningService& service, MonoTime now) {
   display.show(RegisterReader(registers, service.codec), lines, now);
 }
 
+void carry_out_commands(ModbusServer& modbus, HeadControl& head) {
+  while (const std::optional<ClientCommand> command = modbus.try_take_command()) {
+    head.order({command->command == Command::kFollow, {command->pan_rad, command->tilt_rad}});
+    if (!command->from_watchdog) modbus.finish_command(command->sequence, true);
+  }
+}
+
 }  // namespace
 
 void watch_until_signalled(const TerminationSignals& signals, const RunningService& service, ServiceLog& log,
@@ -45,6 +55,10 @@ void watch_until_signalled(const TerminationSignals& signals, const RunningServi
     const MonoTime now = mono_now();
     const Report report = service.reports.read();
     log.note(report, service.frames.last_error(), now);
+    if (service.head != nullptr) carry_out_commands(service.modbus, *service.head);
+    // A LED that can't be driven is no reason to stop, and nobody could do anything about it now.
+    if (service.status_led != nullptr)
+      static_cast<void>(service.status_led->set(is_led_lit(led_pattern_of(report), now)));
     // Without its camera the service is up as well: it answers, says so, and recovers by itself.
     if (service.frames.frames_processed() > 0 || report.reason == Reason::kCameraLost) manager.ready();
     // A source that is over ends on purpose: from then on time itself counts as progress.

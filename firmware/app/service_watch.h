@@ -12,8 +12,10 @@ struct RunningService {
   FrameLoop& frames;
   const LatestValue<Report>& reports;
   const LatestValue<Health>& health;
-  const ModbusServer& modbus;
+  ModbusServer& modbus;
   RegisterCodecOptions codec;
+  HeadControl* head;          ///< may be null
+  DigitalOutput* status_led;  ///< may be null
 };
 
 /// \param display  may be null. \return when SIGINT or SIGTERM came.

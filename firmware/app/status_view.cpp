@@ -99,6 +99,11 @@ std::string status_table(const RegisterReader& r) {
   add(text, "landmark   {} of 9 dots, residual {} px, ambiguity {}, {} solver\n", r.integer(reg::kDotsUsed),
       number(r.value(reg::kResidual), 3), number(r.value(reg::kAmbiguity), 2),
       r.status(status_bit::kEllipseSolver) ? "ellipse" : "full");
+  if (r.status(status_bit::kHasHead))
+    add(text, "head       pan {} deg, tilt {} deg{}{}{}\n", number(r.value(reg::kPan), 2),
+        number(r.value(reg::kTilt), 2), r.status(status_bit::kServoLimit) ? ", at its LIMIT" : "",
+        r.status(status_bit::kInhibited) ? ", INHIBITED" : "",
+        r.status(status_bit::kServoFault) ? ", does NOT ANSWER" : "");
   add(text, "frames     {} Hz, {} processed, {} dropped, {} failed, {} camera restarts\n",
       number(r.value(reg::kFrameRate), 1), r.integer(reg::kFramesProcessed), r.integer(reg::kFramesDropped),
       r.integer(reg::kFramesFailed), r.integer(reg::kCameraRestarts));

@@ -59,6 +59,7 @@ bool FrameLoop::step() noexcept {
     else
       on_failure(frame.error(), asked_at);
   }
+  if (options_.head != nullptr) options_.head->move();
   const MonoTime now = mono_now();
   if (now - health_at_ >= options_.health_period || report_.reason != published_reason_) publish_health(now);
   return !over();
@@ -69,6 +70,7 @@ void FrameLoop::on_frame(const FrameLease& frame) noexcept {
   processor_.process(frame.luma, frame.exposed_at, frame.frame_number, report_);
   report_.pan_rad = frame.pan_rad;
   report_.tilt_rad = frame.tilt_rad;
+  if (options_.head != nullptr) options_.head->aim(mono_now(), report_);
   last_frame_at_ = mono_now();
   if (report_.reason == Reason::kFrameSize) {
     ++health_.frames_failed;
@@ -85,9 +87,10 @@ void FrameLoop::on_frame(const FrameLease& frame) noexcept {
 void FrameLoop::on_failure(const Error& error, MonoTime asked_at) noexcept {
   const MonoTime now = mono_now();
   if (error.code == Errc::kNoFrame) {
-    if (now - last_frame_at_ < options_.stall_after || report_.reason == Reason::kCameraLost) return;
+    if (now - last_frame_at_ < options_.stall_after || report_.reason == Reason::kCameraLost) return aim_blindly(now);
     last_error_.publish(Error{Errc::kCameraLost, 0, "the camera delivers no frames"});
     mark_invalid(Reason::kCameraLost, report_);
+    aim_blindly(now);
     publish();
     return;
   }
@@ -97,11 +100,20 @@ void FrameLoop::on_failure(const Error& error, MonoTime asked_at) noexcept {
   }
   last_error_.publish(error);
   mark_invalid(reason_of(error.code), report_);
+  aim_blindly(now);
   publish();
   if (error.code == Errc::kEndOfStream)
     over_.store(true, std::memory_order_relaxed);
   else
     std::this_thread::sleep_until(asked_at + options_.failure_pause);
+}
+
+void FrameLoop::aim_blindly(MonoTime now) noexcept {
+  if (options_.head == nullptr) return;
+  // The report may still be that of a frame long processed: nothing may be followed by it.
+  const bool valid = std::exchange(report_.valid, false);
+  options_.head->aim(now, report_);
+  report_.valid = valid;
 }
 
 void FrameLoop::publish() noexcept {
@@ -123,6 +135,11 @@ void FrameLoop::publish_health(MonoTime now) noexcept {
   const SourceCounters counters = source_.counters();
   health_.camera_restarts = counters.restarts;
   health_.frames_failed += counters.flagged - std::exchange(flagged_at_health_, counters.flagged);
+  if (options_.head != nullptr) {
+    const HeadState head = options_.head->state();
+    health_.pulse_error_p99 = head.pulse_error_p99;
+    health_.pulse_error_max = head.pulse_error_max;
+  }
   health_.temperature_degC = temperature_degC_.load(std::memory_order_relaxed);
   published_reason_ = report_.reason;
   healths_.publish(health_);

@@ -7,6 +7,7 @@
 
 #include "base/latest_value.h"
 #include "pipeline/frame_processor.h"
+#include "pipeline/head_control.h"
 #include "pipeline/latency_histogram.h"
 #include "ports/frame_source.h"
 #include "ports/frame_thread.h"
@@ -20,6 +21,7 @@ struct FrameLoopOptions {
   std::chrono::nanoseconds health_period = std::chrono::seconds(1);       ///< between two publications of Health
   std::chrono::nanoseconds failure_pause = std::chrono::milliseconds(5);  ///< least time between two failed attempts
   bool memory_locked = false;                                             ///< passed on in Health
+  HeadControl* head = nullptr;                                            ///< the pan/tilt head; null: there is none
 };
 
 /// Memory: everything before start(); nothing is allocated per frame. Threads: one owner calls start, stop and step;
@@ -59,6 +61,8 @@ class FrameLoop {
  private:
   void on_frame(const FrameLease& frame) noexcept;
   void on_failure(const Error& error, MonoTime asked_at) noexcept;
+  /// No frame, nothing to follow: the head stays, or goes on to its set-point.
+  void aim_blindly(MonoTime now) noexcept;
   void publish() noexcept;
   void publish_health(MonoTime now) noexcept;
 

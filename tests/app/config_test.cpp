@@ -89,10 +89,40 @@ parity = "N"
   EXPECT_EQ(config.modbus_rtu.parity, 'N');
 }
 
+TEST(Config, ReadsTheCalibrationOfAnAxis) {
+  const Config config = parse(
+      "[pan_tilt]\ndriver = \"simulated\"\n[pan_tilt.tilt]\ncalibration = [[-45, 1900], [0, 1520.5], [45, 1100]]");
+  ASSERT_EQ(config.pan_tilt.tilt.calibration.size(), 3U);
+  EXPECT_EQ(config.pan_tilt.tilt.calibration[1].output, 1520.5);
+  EXPECT_EQ(config.pan_tilt.pan.calibration.size(), 0U);
+}
+
+TEST(Config, RefusesAHeadThatCanNotBe) {
+  const std::string head = "[pan_tilt]\ndriver = \"simulated\"\n[pan_tilt.pan]\n";
+  EXPECT_EQ(error_of(head + "min_deg = 5\nmax_deg = 5"), "t.toml:5: 'max_deg' is 5; write more than min_deg = 5");
+  EXPECT_EQ(error_of(head + "neutral_deg = 50"), "t.toml:4: 'neutral_deg' is 50; write -45 to 45, min_deg to max_deg");
+  EXPECT_NE(error_of(head + "centre_us = 1990\nneutral_deg = 2").find("pulse outside of min_us = 1000"),
+            std::string::npos);
+  EXPECT_NE(error_of(head + "min_us = 2100").find("write more than min_us = 2100"), std::string::npos);
+  EXPECT_NE(error_of("[pan_tilt]\ndriver = \"gpio\"\nperiod_ms = 5\n[pan_tilt.pan]\nmax_us = 2600")
+                .find("t.toml:5: 'max_us'"),
+            std::string::npos);
+  EXPECT_NE(
+      error_of(head + "calibration = [[0, 1000], [10, 900], [20, 950]]").find("t.toml:4: 'calibration' is of no use"),
+      std::string::npos);
+  for (const char* wrong : {"[0, 1000]", "[[0, 1000], [1]]", "[[0, 1000], [1, \"2\"]]", "3"})
+    EXPECT_NE(error_of(head + "calibration = " + wrong).find("t.toml:4: 'calibration' must be"), std::string::npos)
+        << wrong;
+  EXPECT_NE(error_of(head + "calibration = [[0, 1000], [1, 1e9]]").find("write -100000 to"), std::string::npos);
+  EXPECT_EQ(error_of("[pan_tilt.pan]\nmin_deg = 60"), "no error") << "without a driver the axes do not matter";
+}
+
 TEST(Config, TakesEachKeyAtBothEndsOfItsRangeAndRefusesWhatLiesBeyond) {
   int checked = 0;
   for (const ConfigKey& key : config_keys()) {
-    if (key.min >= key.max || key.table == "landmark" || key.name == "baud" || key.name == "position_mm") continue;
+    if (key.min >= key.max || key.table == "landmark" || key.name == "baud" || key.name == "position_mm" ||
+        key.name == "calibration")
+      continue;
     const std::string start = header_of(key) + (key.table == "landmarks" && key.name != "id" ? "id = 1\n" : "");
     const auto with = [&](double value) {
       std::ostringstream text;
@@ -111,7 +141,7 @@ TEST(Config, TakesEachKeyAtBothEndsOfItsRangeAndRefusesWhatLiesBeyond) {
 
 TEST(Config, RefusesNanAndInfinityInEveryNumber) {
   for (const ConfigKey& key : config_keys()) {
-    if (key.min >= key.max || key.name == "position_mm") continue;
+    if (key.min >= key.max || key.name == "position_mm" || key.name == "calibration") continue;
     for (const std::string value : {"nan", "inf", "-inf"}) {
       EXPECT_NE(error_of(fmt::format("{}{}{} = {}", header_of(key),
                                      key.table == "landmarks" && key.name != "id" ? "id = 1\n" : "", key.name, value))

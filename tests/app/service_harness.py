@@ -146,6 +146,10 @@ class Client:
         assert not reply.isError(), reply
         return reply.registers
 
+    def write(self, address, values):
+        reply = self.client.write_registers(address, values, **self.unit)
+        assert not reply.isError(), reply
+
     def wait_for(self, condition):
         deadline = time.monotonic() + PATIENCE_S
         while True:

@@ -20,6 +20,7 @@ from service_harness import (APPROACH, BIN, PATIENCE_S, Client, Service, config_
                              replay_rows, run, serial_line)
 
 VALID = 1 << 0
+SERVO_LIMIT = 1 << 5
 
 
 def rotation_vector_deg(row):
@@ -185,6 +186,46 @@ class Running(unittest.TestCase):
             import json as parser
             self.assertEqual(parser.loads(json.stdout)["magic"], 0x9D09)
 
+    HEAD = '[modbus]\nallow_writes = true\n[pan_tilt]\ndriver = "simulated"\nfollow = false\n[pan_tilt.pan]\nmax_deg = 30\n'
+
+    def test_aim_points_the_head_and_the_registers_say_where_it_stands(self):
+        port = free_port()
+        with Service(config_text(port=port, extra=self.HEAD)) as service, Client(port=port) as client:
+            client.wait_for(lambda registers: registers[4] & VALID)
+            aimed = run("ninedot", "aim", "--port", str(port), "--pan-deg", "12.5", "--tilt-deg", "-7")
+            self.assertEqual((aimed.returncode, aimed.stdout), (0, "pan 12.50 deg, tilt -7.00 deg\n"), aimed.stderr)
+            registers = client.read()
+            self.assertEqual((int16(registers, 37), int16(registers, 38)), (1250, -700))
+            beyond = run("ninedot", "aim", "--port", str(port), "--pan-deg", "80")
+            self.assertEqual(beyond.returncode, 1)
+            self.assertIn("pan 30.00 deg, tilt -7.00 deg, the end of its range", beyond.stderr)
+            self.assertTrue(client.read()[4] & SERVO_LIMIT)
+            self.assertIn("head       pan 30.00 deg", run("ninedot", "status", "--port", str(port)).stdout)
+            self.assertEqual(run("ninedot", "aim", "--port", str(port)).returncode, 2)
+            self.assertEqual(service.end()[0], 0)
+
+    def test_a_client_moves_the_head_by_registers_and_its_watchdog_lets_it_follow_again(self):
+        port = free_port()
+        with Service(config_text(port=port, extra=self.HEAD)), Client(port=port) as client:
+            before = client.wait_for(lambda registers: registers[4] & VALID)
+            client.write(105, [(-1000) & 0xFFFF, 500])
+            client.write(100, [2, 77])
+            there = client.wait_for(lambda registers: int16(registers, 37) == -1000 and int16(registers, 38) == 500)
+            self.assertEqual((there[102], there[103]), (77, 2))
+            self.assertEqual(before[37], 0)
+            client.write(107, [200])  # and then silence
+            time.sleep(1)
+            # The landmark of the recording is not where the head points to: following moves it.
+            client.wait_for(lambda registers: int16(registers, 37) != -1000)
+
+    def test_without_a_head_aim_says_what_is_missing(self):
+        port = free_port()
+        with Service(config_text(port=port)), Client(port=port) as client:
+            client.wait_for(lambda registers: registers[4] & VALID)
+            refused = run("ninedot", "aim", "--port", str(port), "--follow")
+            self.assertEqual(refused.returncode, 1)
+            self.assertIn("pan_tilt.driver", refused.stderr)
+
     def test_carries_on_past_an_unreadable_picture_and_says_so(self):
         with tempfile.TemporaryDirectory(prefix="ninedot-test-") as folder:
             recording = pathlib.Path(folder) / "recording"
@@ -279,6 +320,20 @@ class RefusingToStart(unittest.TestCase):
 
     def test_a_key_that_does_not_exist(self):
         self.refused(config_text(extra="speed = 3"), 2, "speed", ":")
+
+    def test_a_head_whose_devices_are_not_there(self):
+        for head, words in (('driver = "sysfs-pwm"\n[pan_tilt.pan]\nchip = "x"', ("PWM chip 'x'",)),
+                            ('driver = "gpio"\n[pan_tilt.pan]\nline = "x"', ("GPIO line 'x'",)),
+                            ('driver = "none"\n[gpio]\ninhibit = "x"', ("GPIO line 'x'",))):
+            config = config_text(port=free_port(), extra="[pan_tilt]\n" + head)
+            self.refused(config, 2, *words)
+            with tempfile.TemporaryDirectory(prefix="ninedot-test-") as folder:
+                path = pathlib.Path(folder) / "config.toml"
+                path.write_text(config)
+                checked = run("ninedot", "check", "--config", path)
+            self.assertEqual(checked.returncode, 2)
+            self.assertRegex(checked.stderr, r"^ninedot: .*config\.toml:\d+: ")
+            self.assertEqual(len(checked.stderr.splitlines()), 1)
 
     def test_a_configuration_that_does_not_exist(self):
         result = run("ninedotd", "--config", "/does/not/exist.toml")

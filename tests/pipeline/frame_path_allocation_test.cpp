@@ -2,12 +2,14 @@
 // and without tracking, from the very first frame on.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "app/camera_file.h"
 #include "drivers/capture/recording_source.h"
+#include "drivers/servo/simulated_pan_tilt.h"
 #include "pipeline/frame_loop.h"
 #include "pipeline/localiser.h"
 #include "tests/support/allocation_counter.h"
@@ -22,6 +24,11 @@ std::vector<std::string> bundled_recordings() {
   return folders;
 }
 
+ServoAxes straight_axes() {
+  constexpr std::array kPoints{AxisPoint{-1, 1000}, AxisPoint{1, 2000}};
+  return {ServoAxis(kPoints, 1000, 2000), ServoAxis(kPoints, 1000, 2000)};
+}
+
 struct Outcome {
   std::uint64_t frames = 0, valid = 0;
 };
@@ -31,7 +38,9 @@ Outcome run_and_count(const std::string& recording, Solver solver, bool tracking
   Localiser localiser(read_camera_file(recording_camera_file(recording)), {.solver = solver, .tracking = tracking});
   LatestValue<Report> reports;
   LatestValue<Health> health;
-  FrameLoop loop(source, localiser, reports, health, {.health_period = std::chrono::nanoseconds(1)});
+  SimulatedPanTilt servos(straight_axes(), {});
+  HeadControl head(read_camera_file(recording_camera_file(recording)), {}, servos, nullptr, {});
+  FrameLoop loop(source, localiser, reports, health, {.health_period = std::chrono::nanoseconds(1), .head = &head});
   Outcome outcome;
   for (bool goes_on = true; goes_on;) {
     const std::uint64_t frames_before = loop.frames_processed();
