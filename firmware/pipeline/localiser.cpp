@@ -11,6 +11,9 @@
 namespace ninedot {
 namespace {
 
+// A landmark whose motion is foretold no better than this is found sooner by the detector than by its outlines.
+constexpr double kLittleSurprise_px = 0.5;
+
 ReportPose report_pose(const Eigen::Vector3d& position_m, const Eigen::Quaterniond& q) noexcept {
   return {{position_m.x(), position_m.y(), position_m.z()}, {q.w(), q.x(), q.y(), q.z()}};
 }
@@ -55,6 +58,7 @@ std::array<double, 6> world_sigmas(const PoseEstimate& pose,
 
 Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
     : options_(options),
+      focal_px_(camera.fx_px),
       detector_(camera, options.landmark, options.detector),
       full_(camera, options.landmark),
       ellipse_(camera, options.landmark, options.ellipse) {}
@@ -66,8 +70,20 @@ Result<PoseEstimate> Localiser::solve(const ImageView& luma, const PoseEstimate*
   return pose;
 }
 
-Result<PoseEstimate> Localiser::follow(const ImageView& luma) noexcept {
+Transform<frame::Camera, frame::Landmark> Localiser::expected_at(MonoTime time) const noexcept {
+  auto T = pose_.T_landmark_camera.inverse();
+  if (!motion_) return T;
+  const double ahead_s = std::chrono::duration<double>(time - pose_at_).count();
+  T.rotation = exp_so3(ahead_s * motion_->rotation_rad) * T.rotation;
+  T.translation_m += ahead_s * motion_->translation_m;
+  return T;
+}
+
+Result<PoseEstimate> Localiser::follow(const ImageView& luma, MonoTime exposed_at) noexcept {
   if (!options_.tracking || !found_last_) return fail(Errc::kNoLandmark, "there is no track");
+  if (options_.solver == Solver::kFull && solved_last_ && surprise_px_ < kLittleSurprise_px)
+    if (const auto pose = full_.follow(luma, expected_at(exposed_at), pose_, seen_); pose && is_publishable(*pose))
+      return pose;
   NINEDOT_TRY(seen_, detector_.find_landmark_near(luma, seen_));
   return solve(luma, solved_last_ ? &pose_ : nullptr);
 }
@@ -102,6 +118,20 @@ void Localiser::fill_pose(const PoseEstimate& pose, Report& report) const noexce
   report.deviation_rad = pose.ellipse.deviation_rad;
 }
 
+void Localiser::note_motion(const Result<PoseEstimate>& pose, MonoTime exposed_at) noexcept {
+  const double since_s = std::chrono::duration<double>(exposed_at - pose_at_).count();
+  if (!pose || !solved_last_ || !(since_s > 0)) {
+    motion_.reset();
+    surprise_px_ = 0;
+    return;
+  }
+  const auto before = pose_.T_landmark_camera.inverse(), now = pose->T_landmark_camera.inverse();
+  const auto direction = [](const Eigen::Vector3d& p_camera_m) -> Eigen::Vector2d { return p_camera_m.hnormalized(); };
+  surprise_px_ = focal_px_ * (direction(expected_at(exposed_at).translation_m) - direction(now.translation_m)).norm();
+  motion_ = Motion{log_so3(now.rotation * before.rotation.transpose()) / since_s,
+                   (now.translation_m - before.translation_m) / since_s};
+}
+
 void Localiser::process(const ImageView& luma, MonoTime exposed_at, std::uint64_t frame_number,
                         Report& report) noexcept {
   const MonoTime begin = mono_now();
@@ -110,12 +140,14 @@ void Localiser::process(const ImageView& luma, MonoTime exposed_at, std::uint64_
   report.calibrated = options_.calibrated;
   report.solver = options_.solver;
 
-  Result<PoseEstimate> pose = follow(luma);
+  Result<PoseEstimate> pose = follow(luma, exposed_at);
   const bool tracked = pose.has_value();
   if (!tracked) pose = search(luma);  // the landmark jumped, or what was near the track is not it
+  note_motion(pose, exposed_at);
   solved_last_ = pose.has_value();
   if (pose) {
     pose_ = *pose;
+    pose_at_ = exposed_at;
     fill_pose(pose_, report);
     report.exposed_at = exposed_at;
     ++report.pose_sequence;

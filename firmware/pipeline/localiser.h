@@ -1,6 +1,8 @@
 #pragma once
 /// One frame's path: picture -> dots -> landmark -> pose with its uncertainty -> report. The whole path is in
 /// `process`.
+#include <optional>
+
 #include "detect/detector.h"
 #include "pipeline/frame_processor.h"
 #include "pose/ellipse_solver.h"
@@ -49,21 +51,34 @@ class Localiser final : public FrameProcessor {
   const LandmarkObservation* last_observation() const noexcept { return found_last_ ? &seen_ : nullptr; }
 
  private:
-  /// Where the landmark was in the frame before.
-  Result<PoseEstimate> follow(const ImageView& luma) noexcept;
+  /// Where the landmark was in the frame before, or where its motion has taken it since.
+  Result<PoseEstimate> follow(const ImageView& luma, MonoTime exposed_at) noexcept;
+  /// Remembers the motion since the frame before, and how well it was foretold. \param pose  of the new frame
+  void note_motion(const Result<PoseEstimate>& pose, MonoTime exposed_at) noexcept;
+  /// The sheet before the camera, if it goes on as between the last two frames.
+  Transform<frame::Camera, frame::Landmark> expected_at(MonoTime time) const noexcept;
   /// Everywhere.
   Result<PoseEstimate> search(const ImageView& luma) noexcept;
   Result<PoseEstimate> solve(const ImageView& luma, const PoseEstimate* previous) noexcept;
   void fill_pose(const PoseEstimate& pose, Report& report) const noexcept;
 
+  /// Per second, in the camera frame.
+  struct Motion {
+    Eigen::Vector3d rotation_rad, translation_m;
+  };
+
   LocaliserOptions options_;
+  double focal_px_;
   Detector detector_;
   FullSolver full_;
   EllipseSolver ellipse_;
   LandmarkObservation seen_{};
   PoseEstimate pose_{};
-  bool found_last_ = false;   // seen_ is of the frame before
-  bool solved_last_ = false;  // pose_ is of the frame before
+  MonoTime pose_at_{};
+  std::optional<Motion> motion_;  // between the last two frames, if both had a pose
+  double surprise_px_ = 0;        // how far the landmark was from where it was expected
+  bool found_last_ = false;       // seen_ is of the frame before
+  bool solved_last_ = false;      // pose_ is of the frame before
 };
 
 }  // namespace ninedot

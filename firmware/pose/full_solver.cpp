@@ -3,9 +3,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "geometry/planar_pose.h"
 #include "pose/ellipse_parameters.h"
+#include "pose/observation_of_pose.h"
 #include "pose/outline_refiner.h"
 
 // Start from the dots' centroids (both planar solutions), refine along the outlines what the centroids do not exclude,
@@ -29,7 +31,6 @@ constexpr double kCommonShift_px =
     0.002;                          // of all outlines alike, beyond noise: rendered sRGB pictures, tone-curve residue
 constexpr double kMaxMisfit = 0.3;  // of a dot's radius: what is further off is no print of the landmark
 constexpr double kMaxSigma = 0.1;   // of the distance: whoever knows no more has no position
-constexpr double kMinGroupShare = 0.3;  // of a dot's groups, to count it as used
 
 double angle_between(const CameraFromLandmark& a, const CameraFromLandmark& b) noexcept {
   return log_so3(a.rotation.transpose() * b.rotation).norm();
@@ -49,12 +50,17 @@ struct FullSolver::Workspace {
   CameraFromLandmark other_solution(const CameraFromLandmark& T) const noexcept;
   double choose(OutlineRefiner*& best, OutlineRefiner*& other, const PoseEstimate* previous) const noexcept;
   PoseEstimate conclude(const OutlineRefiner& best, double ambiguity) const noexcept;
+  /// The ambiguity that the mirror image of a refined pose leaves; none: it has to be refined as well.
+  std::optional<double> mirror_left_over(const OutlineRefiner& refiner, bool track_settled) const noexcept;
 
   CameraModel camera;
   LandmarkGeometry landmark;
   RayTable rays;
   std::array<OutlineRefiner, 2> refiners;
-  OutlineState last;  ///< of the frame before; its blur and offset are the camera's more than the frame's
+  OutlineState last;        ///< of the frame before; its blur and offset are the camera's more than the frame's
+  double last_warp_px = 0;  ///< the sheet's, likewise
+  bool last_light_smooth = false;
+  int frames_unmirrored = 0;  ///< since follow() looked at the mirror image
 };
 
 Result<PlanarPoses> FullSolver::Workspace::start_from_centroids(const LandmarkObservation& seen) const noexcept {
@@ -97,6 +103,17 @@ CameraFromLandmark FullSolver::Workspace::other_solution(const CameraFromLandmar
   if (!poses) return T;
   const CameraFromLandmark &a = (*poses)[0].T_camera_landmark, &b = (*poses)[1].T_camera_landmark;
   return angle_between(a, T) > angle_between(b, T) ? a : b;
+}
+
+std::optional<double> FullSolver::Workspace::mirror_left_over(const OutlineRefiner& refiner,
+                                                              bool track_settled) const noexcept {
+  OutlineState mirrored = refiner.state();
+  mirrored.T_camera_landmark = other_solution(refiner.state().T_camera_landmark);
+  const double apart_rad = angle_between(mirrored.T_camera_landmark, refiner.state().T_camera_landmark);
+  if (apart_rad < kSamePose_rad) return 0;
+  const double worse_by = refiner.chi2_above(mirrored);
+  if (worse_by < (track_settled && apart_rad > kApart_rad ? kSettledDifference : kDecisive)) return std::nullopt;
+  return std::exp(-0.5 * worse_by);
 }
 
 /// Makes `best` the better of two refined solutions. \return the ambiguity
@@ -143,7 +160,7 @@ PoseEstimate FullSolver::Workspace::conclude(const OutlineRefiner& best, double 
   int ring_missing = 0;
   bool centre_missing = false;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
-    pose.dots_used += visible[dot] >= kMinGroupShare;
+    pose.dots_used += visible[dot] >= kMinVisible;
     if (visible[dot] >= 0.5) continue;
     if (dot == kCentreDot)
       centre_missing = true;
@@ -210,6 +227,38 @@ Result<PoseEstimate> FullSolver::solve(const ImageView& luma, const LandmarkObse
   if (!(sigma_m < kMaxSigma * pose.T_landmark_camera.translation_m.norm()) || pose.dots_used < 3)
     return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
   w.last = best->state();
+  w.last_warp_px = warp_px;
+  w.last_light_smooth = best->is_light_smooth();
+  return pose;
+}
+
+Result<PoseEstimate> FullSolver::follow(const ImageView& luma, const CameraFromLandmark& expected,
+                                        const PoseEstimate& previous, LandmarkObservation& seen) noexcept {
+  constexpr double kWorseFit = 1.5;  // times the residual of the frame before, and a bit: something else is in sight
+  constexpr double kBit_px = 0.03;
+  constexpr double kOutOfTheQuestion = 1e-9;  // ambiguity
+  constexpr int kMirrorEvery = 4;             // frames
+  Workspace& w = *workspace_;
+  OutlineRefiner& refiner = w.refiners[0];
+  OutlineState start = w.last;
+  start.T_camera_landmark = expected;
+  const auto lost = fail(Errc::kNoLandmark, "the landmark is not where it was expected");
+  // Where shadows cut the dots, their centroids know better than the frame before how far to trust the outlines.
+  if (!w.last_light_smooth || !refiner.refine(luma, start, OutlineRefiner::Start::kExpected, w.last_warp_px) ||
+      !refiner.is_light_smooth())
+    return lost;
+  // A mirror image that is out of the question does not come back within four frames.
+  double ambiguity = previous.ambiguity;
+  if (previous.ambiguity > kOutOfTheQuestion || ++w.frames_unmirrored >= kMirrorEvery) {
+    const auto left = w.mirror_left_over(refiner, previous.ambiguity < kSettled);
+    if (!left) return lost;
+    ambiguity = *left;
+    w.frames_unmirrored = 0;
+  }
+  const PoseEstimate pose = w.conclude(refiner, ambiguity);
+  if (pose.dots_used < previous.dots_used || pose.rms_px > kWorseFit * previous.rms_px + kBit_px) return lost;
+  w.last = refiner.state();
+  seen = observation_of(refiner.state().T_camera_landmark, refiner.visible_share(), w.camera, w.landmark);
   return pose;
 }
 

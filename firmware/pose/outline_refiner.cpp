@@ -19,6 +19,11 @@ constexpr double kMovedAway_px = 0.25;  // a step, or a change of the band, afte
 // standard deviation, and no more than 0.003 px.
 constexpr double kLastStep_chi2 = 3;
 constexpr double kLastStep_px = 0.05;
+// What an expectation is off by, as its first step tells: at most, and where its groups may be weighed as if it were
+// right. A second step that is still as long says that the first one led nowhere.
+constexpr double kExpectedReach_px = 1, kExpectedClose_px = 0.25, kExpectedSecond_px = 0.7;
+constexpr double kCalm_px = 0.03;
+constexpr double kHeldSigma = 1e-3, kFreeSigma = 1e3;  // of offset [px] and blur [px^2] in one step
 constexpr double kOffsetSigma_px = 0.35;    // prior: an sRGB curve moves edges by 0.3 px (METHOD, section 3)
 constexpr double kHarmonicSigma_px2 = 0.6;  // prior of the blur's direction
 constexpr double kMeanBlur_px2 = 0.7, kMeanBlurSigma_px2 = 3;
@@ -50,7 +55,8 @@ bool OutlineRefiner::refine(const ImageView& luma, const OutlineState& start, St
   split_.fill(false);
   const int first = quality == Start::kRough ? 0 : 1;
   double collected_band_px = 0, moved_px = 0;
-  bool just_split = false, thinned = false;
+  double last_by_px = 0;
+  bool just_split = false, thinned = false, settled = false;
   for (int i = first; i < kMaxSteps; ++i) {
     const double band_px = i == 0 ? kRoughBand_px : band_of(state_);
     const bool stale =
@@ -65,23 +71,50 @@ bool OutlineRefiner::refine(const ImageView& luma, const OutlineState& start, St
     for (std::size_t g = 0; g < pixels_.groups.size(); ++g)
       fit_group(pixels_, pixels_.groups[g], landmark_, state_, true, fits_[g]);
     weigh_groups(std::max(kShiftFloor_px[static_cast<std::size_t>(std::min(i, 2))], warp_px));
-    just_split = i >= 1 && i <= 3 && split_shadowed_dots();
+    // An outline that is not where it is looked for fits as badly as one that a shadow's edge crosses.
+    const bool unsure = quality == Start::kExpected && i == first;
+    just_split = !unsure && i >= 1 && i <= 3 && split_shadowed_dots();
 
+    // Outlines that are off look blurred. Offset and blur are the camera's: they wait until the pose is about right.
     UnknownVector step;
-    if (!solve_step(step)) return false;
+    if (!solve_step(unsure ? kHeldSigma : kFreeSigma, step)) return false;
+    bool fine = i >= 2;  // outliers are told by the last floor
+    if (unsure) {
+      const double off_px = step_px(step);
+      if (off_px > kExpectedReach_px) return false;
+      fine = off_px < kExpectedClose_px;
+      if (fine) {
+        weigh_groups(std::max(kShiftFloor_px[2], warp_px));
+        just_split = split_shadowed_dots();
+        if (!solve_step(kFreeSigma, step)) return false;
+      }
+    }
     state_.apply(step);
     if (!(state_.T_camera_landmark.translation_m.z() > 0)) return false;
-    const Eigen::Matrix<double, 6, 1> pose_step = step.head<6>();
-    const double chi2 = pose_step.dot(information_.topLeftCorner<6, 6>() * pose_step);
-    const double step_px = std::sqrt(chi2 / information_(6, 6));  // (6, 6): of moving all outlines by a pixel
-    moved_px += step_px;
-    if (i >= 2 && !just_split && chi2 < kLastStep_chi2 && step_px < kLastStep_px) break;
+    const double by_px = step_px(step);
+    if (quality == Start::kExpected && i > first && by_px > kExpectedSecond_px) return false;
+    moved_px += by_px;
+    // The weights were of the place before this step: where the step before it was long, they are out of date.
+    const bool calm = quality != Start::kExpected || last_by_px < kCalm_px;
+    last_by_px = by_px;
+    settled = fine && calm && !just_split && step_chi2(step) < kLastStep_chi2 && by_px < kLastStep_px;
+    if (settled) break;
   }
-  return true;
+  return settled || quality != Start::kExpected;
+}
+
+double OutlineRefiner::step_chi2(const UnknownVector& step) const noexcept {
+  const Eigen::Matrix<double, 6, 1> pose_step = step.head<6>();
+  return pose_step.dot(information_.topLeftCorner<6, 6>() * pose_step);
+}
+
+double OutlineRefiner::step_px(const UnknownVector& step) const noexcept {
+  return std::sqrt(step_chi2(step) / information_(6, 6));  // (6, 6): of moving all outlines by a pixel
 }
 
 /// The normal equations of all groups and the priors; keeps the matrix. \return false when they determine no step
-bool OutlineRefiner::solve_step(UnknownVector& step) noexcept {
+/// \param nuisance_sigma  how far offset and blur may go, beside their priors
+bool OutlineRefiner::solve_step(double nuisance_sigma, UnknownVector& step) noexcept {
   information_.setZero();
   UnknownVector b = UnknownVector::Zero();
   for (std::size_t i = 0; i < pixels_.groups.size(); ++i) {
@@ -99,6 +132,7 @@ bool OutlineRefiner::solve_step(UnknownVector& step) noexcept {
   prior(7, state_.blur_px2, kMeanBlur_px2, kMeanBlurSigma_px2);
   prior(8, state_.blur_cos_px2, 0, kHarmonicSigma_px2);
   prior(9, state_.blur_sin_px2, 0, kHarmonicSigma_px2);
+  for (int unknown = 6; unknown < kUnknowns; ++unknown) prior(unknown, 0, 0, nuisance_sigma);
   const Eigen::LDLT<UnknownMatrix> ldlt(information_);
   if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 0)) return false;
   step = ldlt.solve(b);
@@ -203,6 +237,10 @@ bool OutlineRefiner::split_shadowed_dots() noexcept {
     }
   }
   return any;
+}
+
+bool OutlineRefiner::is_light_smooth() const noexcept {
+  return std::ranges::none_of(split_, [](bool split) { return split; });
 }
 
 double OutlineRefiner::chi2_above(const OutlineState& other) const noexcept {

@@ -21,8 +21,9 @@ class OutlineRefiner {
 
   /// How good a start is.
   enum class Start : std::uint8_t {
-    kRough,  ///< outlines within about 2 px, blur unknown
-    kClose,  ///< outlines within about half a pixel, blur and offset as in the frame before
+    kRough,     ///< outlines within about 2 px, blur unknown
+    kClose,     ///< outlines within about half a pixel, blur and offset as in the frame before
+    kExpected,  ///< the same, foretold and not seen: given up where they turn out to be further off
   };
 
   /// \param warp_px  how far the dots may lie from where one flat sheet shows them, before any is an outlier
@@ -35,6 +36,9 @@ class OutlineRefiner {
   /// Of a dot's groups, the share whose outline is where it belongs, though its light may be spoiled.
   std::array<double, kDotCount> visible_share() const noexcept;
 
+  /// Every dot was taken whole, or is large: no shadow's edge crosses the landmark.
+  bool is_light_smooth() const noexcept;
+
   const OutlineState& state() const noexcept { return state_; }
   /// Inverse covariance of the unknowns, all nuisances of the groups eliminated.
   const UnknownMatrix& information() const noexcept { return information_; }
@@ -46,7 +50,10 @@ class OutlineRefiner {
   void weigh_groups(double shift_floor_px) noexcept;
   double model_variance_px2(double contrast_lsb) const noexcept;
   bool split_shadowed_dots() noexcept;
-  bool solve_step(UnknownVector& step) noexcept;
+  bool solve_step(double nuisance_sigma, UnknownVector& step) noexcept;
+  /// Of a step's part that moves the pose: in units of the noise, and as a move of the outlines.
+  double step_chi2(const UnknownVector& step) const noexcept;
+  double step_px(const UnknownVector& step) const noexcept;
 
   CameraModel camera_;
   LandmarkGeometry landmark_;

@@ -26,9 +26,9 @@ class Contender {
 
 /// The whole picture is searched each time.
 std::unique_ptr<Contender> make_full_search(const CameraModel& camera);
-/// Only where the landmark was in the frame before. `prepare` finds it by a full search; then each call leaves what it
-/// found to the next.
-std::unique_ptr<Contender> make_tracking(const CameraModel& camera);
+/// Only where the landmark is expected after three frames that `prepare` makes up: the same picture, moved sideways,
+/// under noise of its own. \param px_per_frame  by so much
+std::unique_ptr<Contender> make_tracking(const CameraModel& camera, int px_per_frame);
 /// libapriltag, tag36h11, refine_edges 1, one thread, with estimate_tag_pose.
 std::unique_ptr<Contender> make_apriltag(const CameraModel& camera, float quad_decimate);
 /// OpenCV's ArUco with the same dictionary, sub-pixel corners, and solvePnP (IPPE for squares).

@@ -13,6 +13,7 @@
 #include "pipeline/frame_loop.h"
 #include "pipeline/localiser.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/renderer.h"
 
 namespace ninedot {
 namespace {
@@ -69,6 +70,20 @@ TEST(FramePath, AllocatesNothingOverEveryBundledRecordingWithBothSolvers) {
         const bool shows_the_landmark = recording.find("approach") != std::string::npos;
         EXPECT_TRUE(!shows_the_landmark || outcome.valid > outcome.frames / 2) << outcome.valid;
       }
+}
+
+TEST(FramePath, AllocatesNothingWhileItFollowsAStillLandmark) {
+  test::Scene scene;
+  scene.camera = test::look_at_landmark({.distance_m = 1.5, .tilt_rad = 0.4});
+  const test::Picture picture = test::render(scene, 1);
+  Localiser localiser(CameraModel{}, {});
+  Report report;
+  for (int i = 0; i < 5; ++i) {
+    const test::AllocationGuard guard;
+    localiser.process(picture.view(), MonoTime(std::chrono::seconds(i + 1)), static_cast<std::uint64_t>(i), report);
+    EXPECT_EQ(guard.allocations(), 0U) << i;
+    EXPECT_EQ(report.tracking, i > 0);
+  }
 }
 
 }  // namespace

@@ -84,6 +84,27 @@ TEST_P(LocaliserWithEachSolver, TracksFromTheSecondFrameOnAndFindsTheSamePose) {
   EXPECT_LT(distance_m(second.camera_in_landmark, first.camera_in_landmark.position_m), 0.002);
 }
 
+TEST(Localiser, FollowsAMovingLandmarkAsWellAsItFindsIt) {
+  Localiser tracking(CameraModel{}, {}), searching(CameraModel{}, {.tracking = false});
+  Report tracked, searched;
+  for (int i = 0; i < 20; ++i) {
+    test::Scene scene;
+    scene.camera = test::look_at_landmark({.distance_m = 1.5 - 0.01 * i,
+                                           .tilt_rad = 25 * kRadPerDeg + 0.002 * i,
+                                           .roll_rad = 0.05 - 0.001 * i * i,
+                                           .off_axis_x_rad = 0.004 * i});
+    set_noise(scene.sensor, 1.5);
+    const test::Picture picture = test::render(scene, static_cast<std::uint64_t>(i));
+    const MonoTime at = MonoTime(1s) + i * 28ms;
+    tracking.process(picture.view(), at, static_cast<std::uint64_t>(i), tracked);
+    searching.process(picture.view(), at, static_cast<std::uint64_t>(i), searched);
+    ASSERT_TRUE(tracked.valid && searched.valid) << i;
+    EXPECT_EQ(tracked.tracking, i > 0);
+    const double sigma_m = std::sqrt(searched.covariance[0] + searched.covariance[7] + searched.covariance[14]);
+    EXPECT_LT(distance_m(tracked.camera_in_landmark, searched.camera_in_landmark.position_m), 0.5 * sigma_m) << i;
+  }
+}
+
 TEST_P(LocaliserWithEachSolver, NeverTracksWhenToldNotTo) {
   const test::Picture picture = test::render(scene_at(1.5), 1);
   Localiser unit(CameraModel{}, {.solver = GetParam(), .tracking = false});

@@ -154,6 +154,66 @@ TEST(FullSolver, ReportsTheFoundingPapersQuantities) {
   EXPECT_NEAR(pose->ellipse.tilt_phi_rad, 35 * kDegree, 0.01);
 }
 
+/// A solver that has just solved a picture, and may follow the landmark into the next one.
+struct Track {
+  explicit Track(const test::Scene& scene) {
+    Detector detector(CameraModel{}, LandmarkGeometry{});
+    const test::Picture picture = test::render(scene, 1);
+    const auto found = detector.find_landmark(picture.view());
+    if (found) seen = *found;
+    pose = found ? solver.solve(picture.view(), *found, nullptr) : tl::unexpected<Error>(found.error());
+  }
+  Result<PoseEstimate> follow(const test::Scene& scene, std::uint64_t seed) {
+    const test::Picture picture = test::render(scene, seed);
+    return solver.follow(picture.view(), pose->T_landmark_camera.inverse(), *pose, seen);
+  }
+  FullSolver solver{CameraModel{}, LandmarkGeometry{}};
+  Result<PoseEstimate> pose;
+  LandmarkObservation seen;
+};
+
+TEST(FullSolverTrack, FindsThePoseOfASolverThatWasToldWhereToLook) {
+  for (const double distance_m : {1.5, 3.0, 5.0}) {
+    for (const double moved_px : {0.0, 0.5, 1.0}) {
+      test::Viewpoint viewpoint{.distance_m = distance_m, .tilt_rad = 0.5, .azimuth_rad = distance_m};
+      Track track(scene_at(viewpoint));
+      ASSERT_TRUE(track.pose.has_value()) << distance_m;
+      viewpoint.off_axis_x_rad = moved_px / 720;
+      const test::Scene next = scene_at(viewpoint);
+      const auto followed = track.follow(next, 2);
+      ASSERT_TRUE(followed.has_value()) << distance_m << " m, " << moved_px << " px";
+      const auto solved = pose_of(test::render(next, 2));
+      ASSERT_TRUE(solved.has_value());
+      const Vector6d difference = errors_of(next, *followed).pose - errors_of(next, *solved).pose;
+      EXPECT_LT(std::sqrt(difference.dot(solved->covariance.inverse() * difference)), 1.0)
+          << distance_m << " m, " << moved_px << " px";
+      EXPECT_EQ(followed->dots_used, 9);
+      EXPECT_EQ(track.seen.seen_count, 9);
+    }
+  }
+}
+
+TEST(FullSolverTrack, AsksForADetectorWhenTheLandmarkIsNotQuiteThere) {
+  const test::Viewpoint viewpoint{.distance_m = 2.5, .tilt_rad = 0.5};
+  test::Viewpoint jumped = viewpoint;
+  jumped.off_axis_x_rad = 6.0 / 720;
+  test::Scene hidden = scene_at(viewpoint), gone = scene_at(viewpoint), shaded = scene_at(viewpoint);
+  hidden.board.hidden_fraction = 0.3;
+  gone.sheets.clear();
+  shaded.light.shadows.push_back({.direction_rad = 0.4, .offset_m = 0.05, .width_m = 0.1, .remaining = 0.4});
+  int which = 0;
+  for (const test::Scene& next : {scene_at(jumped), hidden, gone, shaded}) {
+    SCOPED_TRACE(++which);
+    Track track(scene_at(viewpoint));
+    ASSERT_TRUE(track.pose.has_value());
+    const auto followed = track.follow(next, 2);
+    EXPECT_FALSE(followed.has_value());
+    if (!followed) {
+      EXPECT_EQ(followed.error().code, Errc::kNoLandmark);
+    }
+  }
+}
+
 TEST(FullSolver, RefusesAPictureThatShowsNoOutlines) {
   const test::Picture picture = test::render(scene_at({.distance_m = 1}), 1);
   Detector detector(CameraModel{}, LandmarkGeometry{});
