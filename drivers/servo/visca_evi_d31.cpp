@@ -1,0 +1,24 @@
+#include "drivers/servo/visca_evi_d31.h"
+
+#include <numbers>
+
+namespace ninedot {
+namespace {
+
+/// \param end_steps  where the axis stands at +max_deg
+ServoAxis symmetric_axis(double max_deg, int end_steps) noexcept {
+  const double max_rad = max_deg * std::numbers::pi / 180;
+  const std::array<AxisPoint, 2> points = {
+      {{-max_rad, static_cast<double>(-end_steps)}, {max_rad, static_cast<double>(end_steps)}}};
+  const double limit = end_steps < 0 ? -end_steps : end_steps;
+  return {points, -limit, limit};
+}
+
+}  // namespace
+
+ServoAxes evi_d31_axes() noexcept {
+  return {symmetric_axis(kEviD31MaxPan_deg, -kEviD31MaxPanSteps),
+          symmetric_axis(kEviD31MaxTilt_deg, kEviD31MaxTiltSteps)};
+}
+
+}  // namespace ninedot

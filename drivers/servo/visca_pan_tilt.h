@@ -1,0 +1,76 @@
+#pragma once
+/// A pan/tilt/zoom camera on a serial line that speaks VISCA, of the Sony EVI-D31 kind.
+///
+/// A thread of its own sends the newest target and asks about ten times a second where the head stands. The line takes
+/// 17 ms for a motion, and as long for a question with its answer; the frame loop never waits for it.
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <thread>
+
+#include "drivers/posix/file_descriptor.h"
+#include "drivers/servo/servo_axis.h"
+#include "drivers/servo/visca_dialogue.h"
+#include "drivers/servo/visca_options.h"
+#include "drivers/servo/visca_tty.h"
+#include "drivers/servo/visca_zoom_table.h"
+
+namespace ninedot {
+
+/// After a time-out, and when the serial port has vanished, the port is opened anew after a wait that doubles from one
+/// attempt to the next; addresses, zoom and the newest target are set again.
+class ViscaPanTilt final : public PanTilt {
+ public:
+  /// Sets addresses and zoom, asks for the position, and sends the head to `neutral` without waiting for its arrival.
+  /// \param axes  angles to steps as the camera counts them: evi_d31_axes(), or a calibration
+  /// Throws StartupError, one line that says what to do: kWrongUsage for an option out of its range; kWorkFailed when
+  /// the port can't be opened, no camera answers within answer_timeout, or the lens does not reach its zoom.
+  ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes, const HeadAngles& neutral);
+  /// A motion under way goes on to its target.
+  ~ViscaPanTilt() override;
+
+  /// Leaves the target for the thread: an atomic store and at most one write to an eventfd.
+  void move_to(const HeadAngles& angles) noexcept override;
+  void stop() noexcept override;
+  /// Angles: as the head reported them last. Failed: no answer for answer_timeout, the port is gone, or the newest
+  /// command was refused.
+  HeadState state() const noexcept override;
+
+  /// The lens as it was read back; none unless the options set a zoom.
+  std::optional<int> zoom() const noexcept;
+  /// Of that zoom, by the options' table.
+  std::optional<double> focal_length_mm() const noexcept;
+  /// How often the camera was lost.
+  std::uint64_t losses() const noexcept { return losses_.load(std::memory_order_relaxed); }
+
+ private:
+  enum class LineState : std::uint8_t { kGood, kLost, kStopping };
+
+  void start();
+  void run() noexcept;
+  LineState talk(bool until_ready) noexcept;
+  LineState wait_and_receive() noexcept;
+  bool reopen() noexcept;
+  bool wait_to_reopen() noexcept;
+  void leave_order(ViscaOrder::Kind kind, const ViscaPosition& position) noexcept;
+  void publish() noexcept;
+
+  const ViscaOptions options_;
+  const ServoAxes axes_;
+  const ViscaZoomTable zoom_table_;
+  bool limited_ = false;              // of the caller
+  std::atomic<std::uint64_t> order_;  // the caller writes, the thread reads: newest wins
+  std::atomic<std::uint32_t> position_{0};
+  std::atomic<bool> failed_{true};
+  std::atomic<int> zoom_{-1};  // -1: not set by us
+  std::atomic<std::uint64_t> losses_{0};
+
+  ViscaDialogue dialogue_;
+  std::optional<ViscaTty> tty_;
+  std::chrono::milliseconds reopen_wait_;
+  std::atomic<bool> ends_{false};
+  FileDescriptor wake_up_;  // an eventfd
+  std::thread thread_;
+};
+
+}  // namespace ninedot

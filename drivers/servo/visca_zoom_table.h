@@ -1,0 +1,36 @@
+#pragma once
+/// The focal length of a zoom lens, from the position that the camera reports.
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+
+namespace ninedot {
+
+struct ZoomPoint {
+  int zoom = 0;  ///< position [steps], 0: wide
+  double focal_length_mm = 0;
+};
+
+/// Piecewise linear between the points; at and beyond an end, that end's. Memory: inside. Threads: pure.
+class ViscaZoomTable {
+ public:
+  static constexpr std::size_t kMaxPoints = 32;
+
+  /// What is wrong with a table; empty: nothing. It needs 2 to kMaxPoints points of 0..65535 whose positions and focal
+  /// lengths, beginning above 0, rise strictly.
+  static std::string problem_of(std::span<const ZoomPoint> points);
+
+  /// \param points  without a problem (contract)
+  explicit ViscaZoomTable(std::span<const ZoomPoint> points) noexcept;
+
+  double focal_length_mm_at(int zoom) const noexcept;
+  int min_zoom() const noexcept { return points_[0].zoom; }
+  int max_zoom() const noexcept { return points_[count_ - 1].zoom; }
+
+ private:
+  std::array<ZoomPoint, kMaxPoints> points_{};
+  std::size_t count_;
+};
+
+}  // namespace ninedot
