@@ -108,7 +108,8 @@ std::optional<ViscaPacket> ViscaDialogue::next_when_ready(MonoTime now) noexcept
     return command(Command::kStop, encode_visca_stop(options_.address, speeds_), now);
   }
   if (now >= poll_at_) {
-    poll_at_ = now + options_.poll_interval;
+    // Counted from when it was due: a busy line delays a question, and does not make them rarer.
+    poll_at_ = (now - poll_at_ < options_.poll_interval ? poll_at_ : now) + options_.poll_interval;
     return ask(Awaited::kPosition, encode_visca_position_inquiry(options_.address), now);
   }
   if (!may_command) return std::nullopt;

@@ -30,7 +30,7 @@ class EmulatedViscaCamera {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Set these before the first packet arrives, or at any time where atomic.
+  /// All of these may be set at any time.
   struct Faults {
     std::atomic<bool> silent{false};           ///< hears everything, says nothing
     std::atomic<bool> noise{false};            ///< bytes that mean nothing between its packets
@@ -42,11 +42,12 @@ class EmulatedViscaCamera {
     std::atomic<int> lost_packets_percent{0};  ///< of what it says
   };
   Faults faults;
-  int cameras = 1;                           ///< in the chain, this one included
-  int address = 1;                           ///< of this one
-  double hurry = 10;                         ///< this many times as fast as the real one
-  std::chrono::milliseconds reply_delay{1};  ///< of the real one: a field of the picture, 17 to 20 ms
-  bool at_9600_baud = false;                 ///< packets take as long as on the line, both ways
+  std::atomic<int> cameras{1};    ///< in the chain, this one included
+  std::atomic<int> address{1};    ///< of this one
+  std::atomic<double> hurry{10};  ///< this many times as fast as the real one
+  std::atomic<std::chrono::milliseconds> reply_delay{
+      std::chrono::milliseconds(1)};      ///< of the real one: a field of the picture, 17 to 20 ms
+  std::atomic<bool> at_9600_baud{false};  ///< packets take as long as on the line, both ways
 
   EmulatedViscaCamera() {
     std::string folder = (std::filesystem::temp_directory_path() / "visca-XXXXXX").string();
@@ -156,7 +157,7 @@ class EmulatedViscaCamera {
     if (faults.silent || static_cast<int>(random() % 100) < faults.lost_packets_percent) return;
     const auto line =
         at_9600_baud ? std::chrono::microseconds(1042 * (bytes_before_ + bytes.size())) : std::chrono::microseconds(0);
-    replies_.push_back({Clock::now() + reply_delay + line, bytes});
+    replies_.push_back({Clock::now() + reply_delay.load() + line, bytes});
   }
   void speak(Clock::time_point now) {
     while (!replies_.empty() && replies_.front().due <= now) {

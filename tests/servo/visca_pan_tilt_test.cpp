@@ -28,8 +28,8 @@ ViscaOptions options_for(const EmulatedViscaCamera& camera) {
   options.device = camera.device();
   options.address = camera.address;
   options.poll_interval = 20ms;
-  options.reply_timeout = 100ms;
-  options.answer_timeout = 500ms;
+  options.reply_timeout = 200ms;
+  options.answer_timeout = 2s;
   options.retry_interval = 50ms;
   options.first_reopen_wait = 10ms;
   options.longest_reopen_wait = 100ms;
@@ -200,7 +200,7 @@ TEST(ViscaPanTilt, HasFailedASecondAfterTheCameraFellSilentAndRecovers) {
   ASSERT_TRUE(eventually([&] { return head.state().failed; }, 3s));
   const auto took = std::chrono::steady_clock::now() - silent_at;
   EXPECT_GT(took, 950ms);
-  EXPECT_LT(took, 1600ms);
+  EXPECT_LT(took, 2s);
   EXPECT_NEAR(head.state().angles.pan_rad, 3 * kRad, kPanStep_rad);  // as reported last
   head.move_to(angles_deg(-20, 10));
   camera.faults.silent = false;
@@ -229,8 +229,16 @@ TEST(ViscaPanTilt, HasFailedWhileMotionsAreRefused) {
   head.move_to(angles_deg(5, 5));
   EXPECT_TRUE(eventually([&] { return head.state().failed; }));
   camera.forget_heard();
-  std::this_thread::sleep_for(300ms);
-  EXPECT_LT(count_of(camera.heard(), is_move), 12U);  // not at every frame
+  const auto begun = std::chrono::steady_clock::now();
+  for (int i = 0; i < 60; ++i) {
+    head.move_to(angles_deg(5 + i % 2, 5));
+    std::this_thread::sleep_for(5ms);
+  }
+  const auto moves = count_of(camera.heard(), is_move);
+  // Not at every frame, but at every retry_interval.
+  EXPECT_LE(static_cast<double>(moves), (std::chrono::steady_clock::now() - begun) / 50.0ms + 1);
+  EXPECT_GE(moves, 2U);
+  head.move_to(angles_deg(5, 5));
   camera.faults.not_executable = false;
   EXPECT_TRUE(gets_to(head, angles_deg(5, 5)));
   EXPECT_EQ(head.losses(), 0U);
@@ -293,22 +301,23 @@ TEST(ViscaPanTilt, TalksToTheSecondOfThreeCameras) {
 
 TEST(ViscaPanTilt, EndsAtOnceWhateverTheCameraDoes) {
   EmulatedViscaCamera camera;
-  auto head = std::make_unique<ViscaPanTilt>(options_for(camera), evi_d31_axes(), HeadAngles{});
+  ViscaOptions options = options_for(camera);
+  options.reply_timeout = options.answer_timeout = 30s;
+  auto head = std::make_unique<ViscaPanTilt>(options, evi_d31_axes(), HeadAngles{});
   camera.faults.silent = true;
   head->move_to(angles_deg(1, 1));
   auto begun = std::chrono::steady_clock::now();
   head.reset();
-  EXPECT_LT(std::chrono::steady_clock::now() - begun, 300ms);
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, 2s);
 
   camera.faults.silent = false;
-  ViscaOptions options = options_for(camera);
   options.first_reopen_wait = options.longest_reopen_wait = 30s;
   head = std::make_unique<ViscaPanTilt>(options, evi_d31_axes(), HeadAngles{});
   camera.unplug();
   ASSERT_TRUE(eventually([&] { return head->state().failed; }));
   begun = std::chrono::steady_clock::now();
   head.reset();
-  EXPECT_LT(std::chrono::steady_clock::now() - begun, 300ms);
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, 2s);
 }
 
 TEST(ViscaPanTilt, SaysInOneLineWhyItCannotStart) {
@@ -413,7 +422,7 @@ TEST(ViscaPanTilt, AsksTenTimesASecondAlsoWhenEveryFrameHasATarget) {
   RecordProperty("moves_per_s", std::to_string(moves / seconds));
   std::printf("questions %.1f/s, motions %.1f/s, cancels %.1f/s\n", questions / seconds, moves / seconds,
               static_cast<double>(count_of(heard, is_cancel)) / seconds);
-  EXPECT_GT(questions / seconds, 5);
+  EXPECT_GT(questions / seconds, 6);
   EXPECT_LT(questions / seconds, 11);
   EXPECT_GT(moves / seconds, 3);
 }
