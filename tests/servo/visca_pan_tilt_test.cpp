@@ -98,7 +98,11 @@ TEST(ViscaPanTilt, TurnsLeftAndUpForPositiveAngles) {
 TEST(ViscaPanTilt, SaturatesBeyondItsLimitsAndSaysSo) {
   EmulatedViscaCamera camera;
   ViscaPanTilt head(options_for(camera), evi_d31_axes(), {});
+  head.move_to(angles_deg(-140, 0));
+  EXPECT_TRUE(head.state().limited);
   head.move_to(angles_deg(-140, 80));
+  EXPECT_TRUE(head.state().limited);
+  head.move_to(angles_deg(-100, 80));
   EXPECT_TRUE(head.state().limited);
   EXPECT_TRUE(gets_to(head, angles_deg(-100, 25)));
   head.move_to(angles_deg(1, 1));
