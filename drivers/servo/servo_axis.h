@@ -20,8 +20,8 @@ class ServoAxis {
  public:
   static constexpr std::size_t kMaxPoints = 32;
 
-  /// What is wrong with a calibration; empty: nothing. It needs 2 to kMaxPoints points whose angles rise strictly and whose
-  /// outputs rise or fall strictly.
+  /// What is wrong with a calibration; empty: nothing. It needs 2 to kMaxPoints points whose angles rise strictly and
+  /// whose outputs rise or fall strictly.
   static std::string problem_of(std::span<const AxisPoint> points);
 
   /// \param points  without a problem (contract) \param min_output, max_output  in this order (contract)

@@ -25,6 +25,8 @@ namespace {
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
+constexpr const char* kNoDevice = "a VISCA head needs the name of its serial port: set the device of [pan_tilt]";
+
 /// One word, so that the frame loop and the thread never wait for each other, whatever their priorities.
 std::uint64_t pack(const ViscaOrder& order) noexcept {
   return std::uint64_t{order.sequence} << 40U | std::uint64_t{static_cast<std::uint8_t>(order.kind)} << 32U |
@@ -57,7 +59,7 @@ void expect(bool right, const std::string& line) {
 }
 
 ViscaOptions checked(const ViscaOptions& options) {
-  expect(!options.device.empty(), "a VISCA head needs the name of its serial port: set the device of [pan_tilt]");
+  expect(!options.device.empty(), kNoDevice);
   expect(options.address >= kMinViscaAddress && options.address <= kMaxViscaAddress,
          fmt::format("a VISCA camera's address is 1 to 7, not {}", options.address));
   expect(options.pan_speed >= 1 && options.pan_speed <= kMaxViscaPanSpeed,
@@ -110,7 +112,18 @@ std::string cannot_start(const ViscaOptions& options, const ViscaDialogue& dialo
                      options.device, options.address);
 }
 
+ViscaTty open_or_refuse(const std::string& device) {
+  auto tty = ViscaTty::open(device);
+  if (!tty) throw StartupError(ExitStatus::kWrongUsage, cannot_open(device, tty.error().os_errno));
+  return *std::move(tty);
+}
+
 }  // namespace
+
+void check_visca_port(const std::string& device) {
+  expect(!device.empty(), kNoDevice);
+  open_or_refuse(device);
+}
 
 ViscaPanTilt::ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes, const HeadAngles& neutral)
     : options_(checked(options)),
@@ -134,9 +147,7 @@ ViscaPanTilt::~ViscaPanTilt() {
 }
 
 void ViscaPanTilt::start() {
-  auto tty = ViscaTty::open(options_.device);
-  if (!tty) throw StartupError(ExitStatus::kWorkFailed, cannot_open(options_.device, tty.error().os_errno));
-  tty_.emplace(*std::move(tty));
+  tty_.emplace(open_or_refuse(options_.device));
   dialogue_.begin(mono_now());
   if (talk(true) == LineState::kGood) return;
   throw StartupError(ExitStatus::kWorkFailed, cannot_start(options_, dialogue_, dialogue_.problem(mono_now())));

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <thread>
 
 #include "drivers/posix/file_descriptor.h"
@@ -23,8 +24,8 @@ class ViscaPanTilt final : public PanTilt {
  public:
   /// Sets addresses and zoom, asks for the position, and sends the head to `neutral` without waiting for its arrival.
   /// \param axes  angles to steps as the camera counts them: evi_d31_axes(), or a calibration
-  /// Throws StartupError, one line that says what to do: kWrongUsage for an option out of its range; kWorkFailed when
-  /// the port can't be opened, no camera answers within answer_timeout, or the lens does not reach its zoom.
+  /// Throws StartupError, one line that says what to do: kWrongUsage for an option out of its range and for a port that
+  /// can't be opened; kWorkFailed when no camera answers within answer_timeout, or the lens does not reach its zoom.
   ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes, const HeadAngles& neutral);
   /// A motion under way goes on to its target.
   ~ViscaPanTilt() override;
@@ -72,5 +73,8 @@ class ViscaPanTilt final : public PanTilt {
   FileDescriptor wake_up_;  // an eventfd
   std::thread thread_;
 };
+
+/// Opens the port and closes it again, without a word to the camera. Throws as ViscaPanTilt does.
+void check_visca_port(const std::string& device);
 
 }  // namespace ninedot

@@ -3,18 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "base/contract.h"
+#include "drivers/servo/visca_evi_d31.h"
 
 namespace ninedot {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
-
-/// Positions of the Sony EVI-D31 (its command list): 880 steps are 100 deg of pan, 300 steps are 25 deg of tilt.
-constexpr double kViscaPanStepsPerDeg = 880.0 / 100, kViscaTiltStepsPerDeg = 300.0 / 25;
 
 std::vector<AxisPoint> axis_points(const HeadAxisConfig& axis, double centre, double per_deg) {
   std::vector<AxisPoint> points;
@@ -30,25 +29,32 @@ struct Axis {
   const PanTiltConfig& head;
   const HeadAxisConfig& own;
   const char* table;
-  double visca_steps_per_deg;
+  double visca_end_steps, visca_end_deg;  ///< the end of a VISCA camera's own range on the positive side
   bool is_visca() const { return head.driver == "visca"; }
 };
-Axis pan_of(const PanTiltConfig& head) { return {head, head.pan, "pan_tilt.pan", kViscaPanStepsPerDeg}; }
-Axis tilt_of(const PanTiltConfig& head) { return {head, head.tilt, "pan_tilt.tilt", kViscaTiltStepsPerDeg}; }
+// Such a camera counts pan to the right.
+Axis pan_of(const PanTiltConfig& head) {
+  return {head, head.pan, "pan_tilt.pan", -kEviD31MaxPanSteps, kEviD31MaxPan_deg};
+}
+Axis tilt_of(const PanTiltConfig& head) {
+  return {head, head.tilt, "pan_tilt.tilt", kEviD31MaxTiltSteps, kEviD31MaxTilt_deg};
+}
 
 std::vector<AxisPoint> points_of(const Axis& axis) {
-  return axis.is_visca() ? axis_points(axis.own, 0, axis.visca_steps_per_deg)
+  return axis.is_visca() ? axis_points(axis.own, 0, axis.visca_end_steps / axis.visca_end_deg)
                          : axis_points(axis.own, axis.own.centre_us, axis.own.us_per_deg);
 }
 
-/// Outputs that no command goes beyond. A VISCA head has no pulses: there the angles' limits are the output's.
+/// Outputs that no command goes beyond. A VISCA camera has no pulses: there they are the ends of the angles' range and
+/// of its own.
 ServoAxis servo_axis(const Axis& axis) {
   const std::vector<AxisPoint> points = points_of(axis);
   if (!axis.is_visca()) return {points, axis.own.min_us, axis.own.max_us};
   const ServoAxis endless(points, -1e6, 1e6);
   const double a = endless.output_at(axis.own.min_deg * kRadPerDeg).value;
   const double b = endless.output_at(axis.own.max_deg * kRadPerDeg).value;
-  return {points, std::min(a, b), std::max(a, b)};
+  const double end = std::abs(axis.visca_end_steps);
+  return {points, std::max(std::min(a, b), -end), std::min(std::max(a, b), end)};
 }
 
 HeadProblem find_axis_problem(const Axis& axis) {
@@ -63,7 +69,11 @@ HeadProblem find_axis_problem(const Axis& axis) {
   if (own.neutral_deg < own.min_deg || own.neutral_deg > own.max_deg)
     return problem("neutral_deg",
                    fmt::format("is {}; write {} to {}, min_deg to max_deg", own.neutral_deg, own.min_deg, own.max_deg));
-  if (axis.is_visca()) return {};
+  if (axis.is_visca()) {
+    const ServoAxis::Output neutral = ServoAxis(points_of(axis), -1e6, 1e6).output_at(own.neutral_deg * kRadPerDeg);
+    if (std::abs(neutral.value) <= std::abs(axis.visca_end_steps)) return {};
+    return problem("neutral_deg", fmt::format("is {}, beyond the camera's own range", own.neutral_deg));
+  }
   if (own.min_us >= own.max_us)
     return problem("max_us", fmt::format("is {}; write more than min_us = {}", own.max_us, own.min_us));
   if (own.max_us > axis.head.period_ms * 1000 / 2)

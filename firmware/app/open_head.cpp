@@ -14,6 +14,7 @@
 #include "drivers/servo/gpio_pan_tilt.h"
 #include "drivers/servo/simulated_pan_tilt.h"
 #include "drivers/servo/sysfs_pwm.h"
+#include "drivers/servo/visca_pan_tilt.h"
 
 namespace ninedot {
 namespace {
@@ -46,9 +47,18 @@ std::unique_ptr<PanTilt> open_gpio(const PanTiltConfig& config, std::string& des
   return head;
 }
 
+std::unique_ptr<PanTilt> open_visca(const PanTiltConfig& config) {
+  ViscaOptions options;
+  options.device = config.device;
+  options.address = config.address;
+  if (config.zoom >= 0) options.zoom = config.zoom;
+  return std::make_unique<ViscaPanTilt>(options, servo_axes(config), aim_options(config).neutral);
+}
+
 std::unique_ptr<PanTilt> open_servos(const PanTiltConfig& config, std::string& description) {
   if (config.driver == "sysfs-pwm") return open_sysfs_pwm(config);
   if (config.driver == "gpio") return open_gpio(config, description);
+  if (config.driver == "visca") return open_visca(config);
   EXPECTS(config.driver == "simulated");
   return std::make_unique<SimulatedPanTilt>(servo_axes(config), aim_options(config).neutral);
 }
@@ -98,6 +108,7 @@ void check_head(const Config& config,
     check_line("pan_tilt.pan.line", config.pan_tilt.pan.line);
     check_line("pan_tilt.tilt.line", config.pan_tilt.tilt.line);
   }
+  if (config.pan_tilt.driver == "visca") attempt("pan_tilt.device", [&] { check_visca_port(config.pan_tilt.device); });
   const std::array<std::pair<const char*, const std::string*>, 3> lines{{{"gpio.servo_power", &config.gpio.servo_power},
                                                                          {"gpio.status_led", &config.gpio.status_led},
                                                                          {"gpio.inhibit", &config.gpio.inhibit}}};

@@ -36,10 +36,13 @@ void HeadControl::aim(MonoTime now, Report& report) noexcept {
 
 void HeadControl::move() noexcept {
   // Asked again: the input may have changed while the frame was processed.
-  if (inhibit_ != nullptr && inhibit_->is_active())
-    head_.stop();
-  else
+  const bool inhibited = inhibit_ != nullptr && inhibit_->is_active();
+  // Once: a head on a slow line has more to do than to hear it again with every frame.
+  if (!inhibited)
     head_.move_to(next_.command);
+  else if (!stopped_)
+    head_.stop();
+  stopped_ = inhibited;
 }
 
 }  // namespace ninedot

@@ -32,6 +32,7 @@ class HeadControl {
   const DigitalInput* const inhibit_;
   LatestValue<AimOrder> order_;
   AimStep next_;
+  bool stopped_ = false;
 };
 
 }  // namespace ninedot

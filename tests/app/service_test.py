@@ -324,6 +324,7 @@ class RefusingToStart(unittest.TestCase):
     def test_a_head_whose_devices_are_not_there(self):
         for head, words in (('driver = "sysfs-pwm"\n[pan_tilt.pan]\nchip = "x"', ("PWM chip 'x'",)),
                             ('driver = "gpio"\n[pan_tilt.pan]\nline = "x"', ("GPIO line 'x'",)),
+                            ('driver = "visca"\ndevice = "/dev/x"', ("/dev/x",)),
                             ('driver = "none"\n[gpio]\ninhibit = "x"', ("GPIO line 'x'",))):
             config = config_text(port=free_port(), extra="[pan_tilt]\n" + head)
             self.refused(config, 2, *words)

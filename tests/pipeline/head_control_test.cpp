@@ -70,7 +70,11 @@ class Rig {
     return std::atan2(std::hypot(p9.x(), p9.y()), p9.z());
   }
 
-  SimulatedPanTilt head;
+  struct CountingHead : SimulatedPanTilt {
+    using SimulatedPanTilt::SimulatedPanTilt;
+    void stop() noexcept override { ++stops; }
+    int stops = 0;
+  } head;
   Switch inhibit;
   HeadControl control;
   Report report;
@@ -116,6 +120,7 @@ TEST(HeadControl, StopsWithinOneFrameOfTheInhibitInput) {
   for (int i = 0; i < 3; ++i) rig.one_frame();
   EXPECT_EQ(rig.head.state().angles.pan_rad, before.pan_rad);
   EXPECT_TRUE(rig.report.inhibited);
+  EXPECT_EQ(rig.head.stops, 1) << "said once, not with every frame";
   rig.inhibit.active = false;
   for (int i = 0; i < 40; ++i) rig.one_frame();
   EXPECT_LT(rig.off_axis_rad(), 0.35 * kDeg);

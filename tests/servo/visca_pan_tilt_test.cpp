@@ -330,11 +330,11 @@ TEST(ViscaPanTilt, SaysInOneLineWhyItCannotStart) {
   options.answer_timeout = 200ms;
   options.device = camera.device() + "-none";
   EXPECT_EQ(
-      refusal(options, ExitStatus::kWorkFailed),
+      refusal(options, ExitStatus::kWrongUsage),
       options.device + ": there is no such serial port; connect the adapter, or correct the device of [pan_tilt]");
   options.device = camera.device() + "-file";
   std::ofstream(options.device) << "text";
-  EXPECT_EQ(refusal(options, ExitStatus::kWorkFailed),
+  EXPECT_EQ(refusal(options, ExitStatus::kWrongUsage),
             options.device + ": this is no serial port; correct the device of [pan_tilt]");
   options.device = camera.device();
 
