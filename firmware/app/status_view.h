@@ -10,7 +10,8 @@ namespace ninedot {
 /// One line: pose, 1-sigma, dots, rate, latency, drops; or why there is no pose. No line feed, no escape codes.
 std::string status_line(const RegisterReader& registers);
 
-/// The same and health, as a table of eleven lines, each ended by a line feed, at most 100 columns wide.
+/// The same and health, as a table of eleven lines, twelve with a pan/tilt head, each ended by a line feed, at most 100
+/// columns wide.
 std::string status_table(const RegisterReader& registers);
 
 /// One JSON object on one line: every register by its name in its unit (`null` where unknown; not those

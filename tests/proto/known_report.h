@@ -32,6 +32,7 @@ inline Report known_report(MonoTime now) {
   report.ambiguity = 0.123;
   report.rms_px = 0.0456;
   report.dots_used = 9;
+  report.has_head = report.servo_limit = report.inhibited = true;
   report.pan_rad = 12.34 * kRadPerDeg;
   report.tilt_rad = -5.67 * kRadPerDeg;
   return report;
@@ -51,6 +52,8 @@ inline Health known_health(MonoTime now) {
   health.latency_p99 = microseconds(9500);
   health.latency_p999 = microseconds(12000);
   health.latency_max = microseconds(33300);
+  health.pulse_error_p99 = std::chrono::nanoseconds(6600);
+  health.pulse_error_max = microseconds(21);
   health.temperature_degC = 47.26;
   health.realtime = health.memory_locked = true;
   return health;
