@@ -10,6 +10,7 @@
 #include "drivers/capture/v4l2_formats.h"
 #include "drivers/capture/v4l2_list.h"
 #include "fake_video_kernel.h"
+#include "tests/support/allocation_counter.h"
 
 namespace ninedot {
 namespace {
@@ -102,6 +103,22 @@ TEST(V4l2Device, TheNewestFrameWinsAndTheOlderOnesAreGivenBackAndCounted) {
   EXPECT_EQ(frame->luma.at(0, 0), 12);
   EXPECT_EQ(frame->skipped, 2U);
   EXPECT_EQ(bench.kernel.queued.size(), 3U);
+}
+
+TEST(V4l2Device, GrabsConvertsAndReleasesWithoutTheHeap) {
+  for (const std::uint32_t fourcc : {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_Y10, V4L2_PIX_FMT_SRGGB8}) {
+    Bench bench(fourcc);
+    V4l2Device& device = bench.opened();
+    for (std::uint32_t i = 0; i < 20; ++i) {
+      bench.kernel.deliver({.sequence = i, .stamp = mono_now()});
+      const test::AllocationGuard guard;
+      const Result<CapturedFrame> frame = device.grab(mono_now());
+      ASSERT_TRUE(frame);
+      device.release(frame->buffer);
+      ASSERT_EQ(device.grab(mono_now()).error().code, Errc::kNoFrame);
+      EXPECT_EQ(guard.allocations() + guard.releases(), 0U) << fourcc << ", frame " << i;
+    }
+  }
 }
 
 TEST(V4l2Device, BuffersFlaggedOrTooShortAreSkippedAndCounted) {
