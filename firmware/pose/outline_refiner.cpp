@@ -11,7 +11,7 @@ constexpr std::size_t kMaxPixels = 12000;
 constexpr int kMaxSteps = 7;
 constexpr int kRoughThinning = 3;      // of the pixels, while the pose is off by tenths of a pixel
 constexpr double kRoughBand_px = 3.5;  // a rough start is good to two pixels
-constexpr double kBandPerSigma = 2.6;  // beyond, an outline's grey levels no longer depend on its place
+constexpr double kBandPerSigma = 3.1;  // beyond, an outline's grey levels no longer depend on its place
 // What the outlines may be off by before the first, the second and all further steps.
 constexpr std::array<double, 3> kShiftFloor_px{1.5, 0.6, 0.12};
 constexpr double kMovedAway_px = 0.25;  // a step, or a change of the band, after which other pixels belong to it
