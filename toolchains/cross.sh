@@ -1,0 +1,65 @@
+#!/bin/bash
+# Builds the programs and the Debian package for a board, with Debian 13's cross compiler in a root of its own.
+#
+#   toolchains/cross.sh arm64|armhf       as root; result: build/package-ARCH/package/ninedot_*_ARCH.deb
+#
+# The root is made once and again when the package list changes. NINEDOT_CACHE: where; NINEDOT_MIRROR: which archive.
+set -euo pipefail
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
+source toolchains/roots.sh
+
+arch=${1:-}
+case $arch in
+  arm64) triplet=aarch64-linux-gnu ;;
+  armhf) triplet=arm-linux-gnueabihf ;;
+  *) roots_fail "say for which architecture: toolchains/cross.sh arm64|armhf" ;;
+esac
+require_root
+command -v mmdebstrap > /dev/null || roots_fail "needs mmdebstrap: ./dev packages image"
+native=$(dpkg --print-architecture)
+[[ $native != "$arch" ]] || roots_fail "this machine is $arch itself: ./dev package"
+
+# The build's packages: libraries are the board's, tools are this machine's, the compiler is the cross compiler.
+names=$(awk '($1 == "build" || $1 == "package") && $2 != "g++" { print $2 }' toolchains/packages.txt | sort -u)
+libraries=$(grep '^lib' <<< "$names") tools=$(grep -v '^lib' <<< "$names")
+key=$(sha256sum <<< "$ninedot_suite $native $arch $names" | cut -c 1-12)
+root=$ninedot_cache/cross-$arch-$key
+
+# Packages for all architectures take no suffix; only the root's own apt knows which they are.
+# shellcheck disable=SC2016
+install_libraries='
+for name in $libraries; do
+  if apt-cache show --no-all-versions "$name" | grep -q "^Architecture: all"; then echo "$name"; else echo "$name:$arch"; fi
+done | xargs apt-get -q -y --no-install-recommends install'
+
+if [[ ! -d $root ]]; then
+  echo "== making the cross root for $arch: $root"
+  started=$SECONDS
+  mkdir -p "$ninedot_cache"
+  rm -rf --one-file-system "$root.part"
+  log=$ninedot_cache/cross-$arch.log
+  arch=$arch libraries=${libraries//$'\n'/ } script=$install_libraries mmdebstrap --quiet --variant=minbase --mode=root \
+    --architectures="$native,$arch" --aptopt='APT::Install-Recommends "0"' --include="crossbuild-essential-$arch,${tools//$'\n'/,}" \
+    --customize-hook='chroot "$1" env arch="$arch" libraries="$libraries" DEBIAN_FRONTEND=noninteractive sh -ec "$script"' \
+    "$ninedot_suite" "$root.part" "$(debian_mirror)" > "$log" 2>&1 < /dev/null || { tail -n 20 "$log" >&2; roots_fail "the cross root failed; its whole output: $log"; }
+  mv "$root.part" "$root"
+  echo "== made in $((SECONDS - started)) s, $(du -sh "$root" | cut -f 1)"
+fi
+
+preset=package-$arch
+mkdir -p build
+export SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git -c safe.directory='*' log -1 --format=%ct 2> /dev/null || echo 0)}
+started=$SECONDS
+in_root "$root" "$PWD" bash -ec '
+  preset=$1 jobs=$2
+  export DEB_HOST_ARCH=$3
+  cmake --preset "$preset" -DCMAKE_CXX_FLAGS="-ffile-prefix-map=/ninedot=." > /dev/null
+  cmake --build --preset "$preset" -j "$jobs" --target ninedot ninedotd
+  rm -f "build/$preset"/package/*.deb
+  cmake --build --preset "$preset" --target package
+' cross "$preset" "${NINEDOT_JOBS:-$(nproc)}" "$arch" > "build/cross-$arch.log" 2>&1 ||
+  { tail -n 40 "build/cross-$arch.log" >&2; roots_fail "the cross build failed; its whole output: build/cross-$arch.log"; }
+
+made=$(ls "build/$preset"/package/*_"$arch".deb)
+file -b "build/$preset/bin/ninedotd" | grep -q 'ARM' || roots_fail "build/$preset/bin/ninedotd is not a program for ARM ($triplet)"
+echo "== $made ($(du -h "$made" | cut -f 1)), built in $((SECONDS - started)) s"

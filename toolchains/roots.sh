@@ -1,0 +1,36 @@
+# Sourced by the scripts that make Debian roots: where caches are, which archive, which release, a private /dev.
+
+# One place for everything that is costly to make and can be made again. NINEDOT_CACHE: where.
+ninedot_cache=${NINEDOT_CACHE:-${XDG_CACHE_HOME:-/var/tmp}/ninedot-cache}
+ninedot_suite=trixie
+
+roots_fail() { echo "$(basename "$0"): $*" >&2; exit 2; }
+
+# The archive: NINEDOT_MIRROR, or the one that this machine's apt uses.
+debian_mirror() {
+  local mirror=${NINEDOT_MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' | sort -u | head -n 1)}
+  [[ -n $mirror ]] || roots_fail "no Debian archive in this machine's apt sources: set NINEDOT_MIRROR"
+  echo "$mirror"
+}
+
+require_root() { [[ $EUID -eq 0 ]] || roots_fail "needs root for chroot and mounts: run it with sudo"; }
+
+# in_root ROOT SOURCE COMMAND...: runs the command in the root, in the folder SOURCE seen as /ninedot. Mounts live in a
+# namespace of their own, gone when the command ends; a /dev of its own keeps this machine's devices out of reach.
+in_root() {
+  local root=$1 source=$2; shift 2
+  # shellcheck disable=SC2016
+  unshare --mount --propagation private --pid --fork --kill-child /bin/bash -c '
+    set -euo pipefail
+    root=$1 source=$2; shift 2
+    mkdir -p "$root/ninedot" "$root/dev" "$root/proc"
+    mount -t proc proc "$root/proc"
+    mount -t tmpfs -o mode=755,nosuid tmpfs "$root/dev"
+    node() { mknod -m 666 "$root/dev/$1" c "$2" "$3"; }
+    node null 1 3; node zero 1 5; node full 1 7; node random 1 8; node urandom 1 9
+    ln -s /proc/self/fd "$root/dev/fd"
+    mount --bind "$source" "$root/ninedot"
+    exec chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb LC_ALL=C.UTF-8 \
+      ${SOURCE_DATE_EPOCH:+SOURCE_DATE_EPOCH=$SOURCE_DATE_EPOCH} /bin/bash -c "cd /ninedot && \"\$@\"" in_root "$@"
+  ' in_root "$root" "$source" "$@" < /dev/null
+}
