@@ -3,7 +3,8 @@
 #
 #   toolchains/cross.sh arm64|armhf       as root; result: build/package-ARCH/package/ninedot_*_ARCH.deb
 #
-# The root is made once and again when the package list changes. NINEDOT_CACHE: where; NINEDOT_MIRROR: which archive.
+# The root is made once and again when the package list changes. NINEDOT_CACHE: where; NINEDOT_MIRROR: which archive;
+# NINEDOT_JOBS: how many compilers at once. build/package-ARCH/root leads to the root: tests/board/cross_test.sh runs the programs there.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 source toolchains/roots.sh
@@ -15,7 +16,7 @@ case $arch in
   *) roots_fail "say for which architecture: toolchains/cross.sh arm64|armhf" ;;
 esac
 require_root
-command -v mmdebstrap > /dev/null || roots_fail "needs mmdebstrap: ./dev packages image"
+command -v mmdebstrap > /dev/null || roots_fail "needs mmdebstrap: ./dev packages cross"
 native=$(dpkg --print-architecture)
 [[ $native != "$arch" ]] || roots_fail "this machine is $arch itself: ./dev package"
 
@@ -38,18 +39,21 @@ if [[ ! -d $root ]]; then
   mkdir -p "$ninedot_cache"
   rm -rf --one-file-system "$root.part"
   log=$ninedot_cache/cross-$arch.log
-  arch=$arch libraries=${libraries//$'\n'/ } script=$install_libraries mmdebstrap --quiet --variant=minbase --mode=root \
-    --architectures="$native,$arch" --aptopt='APT::Install-Recommends "0"' --include="crossbuild-essential-$arch,${tools//$'\n'/,}" \
+  # shellcheck disable=SC2016,SC2097,SC2098
+  arch=$arch libraries=${libraries//$'\n'/ } script=$install_libraries new_root --variant=minbase \
+    --architectures="$native,$arch" --include="crossbuild-essential-$arch,${tools//$'\n'/,}" \
     --customize-hook='chroot "$1" env arch="$arch" libraries="$libraries" DEBIAN_FRONTEND=noninteractive sh -ec "$script"' \
-    "$ninedot_suite" "$root.part" "$(debian_mirror)" > "$log" 2>&1 < /dev/null || { tail -n 20 "$log" >&2; roots_fail "the cross root failed; its whole output: $log"; }
+    "$ninedot_suite" "$root.part" "$(debian_mirror)" > "$log" 2>&1 || { tail -n 20 "$log" >&2; roots_fail "the cross root failed; its whole output: $log"; }
   mv "$root.part" "$root"
   echo "== made in $((SECONDS - started)) s, $(du -sh "$root" | cut -f 1)"
 fi
 
 preset=package-$arch
 mkdir -p build
-export SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git -c safe.directory='*' log -1 --format=%ct 2> /dev/null || echo 0)}
+SOURCE_DATE_EPOCH=$(source_date_epoch)
+export SOURCE_DATE_EPOCH
 started=$SECONDS
+# shellcheck disable=SC2016
 in_root "$root" "$PWD" bash -ec '
   preset=$1 jobs=$2
   export DEB_HOST_ARCH=$3
@@ -60,6 +64,8 @@ in_root "$root" "$PWD" bash -ec '
 ' cross "$preset" "${NINEDOT_JOBS:-$(nproc)}" "$arch" > "build/cross-$arch.log" 2>&1 ||
   { tail -n 40 "build/cross-$arch.log" >&2; roots_fail "the cross build failed; its whole output: build/cross-$arch.log"; }
 
+ln -sfn "$root" "build/$preset/root"
+# shellcheck disable=SC2012
 made=$(ls "build/$preset"/package/*_"$arch".deb)
 file -b "build/$preset/bin/ninedotd" | grep -q 'ARM' || roots_fail "build/$preset/bin/ninedotd is not a program for ARM ($triplet)"
 echo "== $made ($(du -h "$made" | cut -f 1)), built in $((SECONDS - started)) s"

@@ -1,4 +1,5 @@
-# Sourced by the scripts that make Debian roots: where caches are, which archive, which release, a private /dev.
+# shellcheck shell=bash disable=SC2034
+# Sourced by the scripts that make Debian roots: where caches are, which archive, which release, a private /dev, other machines' programs.
 
 # One place for everything that is costly to make and can be made again. NINEDOT_CACHE: where.
 ninedot_cache=${NINEDOT_CACHE:-${XDG_CACHE_HOME:-/var/tmp}/ninedot-cache}
@@ -15,6 +16,30 @@ debian_mirror() {
 
 require_root() { [[ $EUID -eq 0 ]] || roots_fail "needs root for chroot and mounts: run it with sudo"; }
 
+# The time that everything made here bears: that of the last commit.
+source_date_epoch() {
+  echo "${SOURCE_DATE_EPOCH:-$(git -c safe.directory='*' log -1 --format=%ct 2> /dev/null || echo 0)}"
+}
+
+# Lets the kernel start programs of ARCH by QEMU's emulator, in roots as well. It stays so until the machine restarts.
+require_emulation() {
+  local arch=$1 name=qemu-aarch64 table=/proc/sys/fs/binfmt_misc line
+  [[ $arch == armhf ]] && name=qemu-arm
+  [[ $(dpkg --print-architecture) != "$arch" ]] || return 0
+  [[ -e $table/register ]] || mount -t binfmt_misc binfmt_misc "$table" 2> /dev/null ||
+    roots_fail "this kernel has no binfmt_misc to run $arch programs with: use one that has, or a machine of that architecture"
+  [[ ! -e $table/$name ]] || return 0
+  line=$(cat "/usr/lib/binfmt.d/$name.conf" 2> /dev/null) || roots_fail "needs qemu-user-static: ./dev packages image"
+  echo "$line" > "$table/register" 2> /dev/null || roots_fail "cannot register $name with the kernel (binfmt_misc)"
+}
+
+# new_root MMDEBSTRAP-ARGUMENT...: mmdebstrap with its mounts in a namespace of their own, so that a run that is killed leaves none.
+new_root() {
+  unshare --mount --propagation private --pid --fork --kill-child --mount-proc /bin/bash -c '
+    mount -t binfmt_misc binfmt_misc /proc/sys/fs/binfmt_misc 2> /dev/null || true
+    exec mmdebstrap --quiet --mode=root --aptopt="APT::Install-Recommends \"0\"" "$@"' new_root "$@" < /dev/null
+}
+
 # in_root ROOT SOURCE COMMAND...: runs the command in the root, in the folder SOURCE seen as /ninedot. Mounts live in a
 # namespace of their own, gone when the command ends; a /dev of its own keeps this machine's devices out of reach.
 in_root() {
@@ -30,7 +55,7 @@ in_root() {
     node null 1 3; node zero 1 5; node full 1 7; node random 1 8; node urandom 1 9
     ln -s /proc/self/fd "$root/dev/fd"
     mount --bind "$source" "$root/ninedot"
-    exec chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb LC_ALL=C.UTF-8 \
+    exec chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
       ${SOURCE_DATE_EPOCH:+SOURCE_DATE_EPOCH=$SOURCE_DATE_EPOCH} /bin/bash -c "cd /ninedot && \"\$@\"" in_root "$@"
   ' in_root "$root" "$source" "$@" < /dev/null
 }

@@ -9,13 +9,22 @@
 namespace ninedot {
 namespace {
 
+/// Lanes of ones where a < b. OpenCV's operators are gone from its NEON vectors since 4.9, and 4.6 has no v_lt.
+template <typename Vector>
+Vector less(const Vector& a, const Vector& b) noexcept {
+  if constexpr (requires { a < b; })
+    return a < b;
+  else
+    return v_lt(a, b);
+}
+
 /// Bit i: pixel i of 32 is below its threshold, which two pixels share.
 std::uint32_t dark_bits(const std::uint8_t* pixels, const std::uint8_t* limits) noexcept {
   const cv::v_uint8x16 limit = cv::v_load(limits);
   cv::v_uint8x16 low, high;
   cv::v_zip(limit, limit, low, high);
   const auto below = [](const std::uint8_t* at, const cv::v_uint8x16& than) {
-    return static_cast<std::uint32_t>(cv::v_signmask(cv::v_load(at) < than)) & 0xFFFFU;
+    return static_cast<std::uint32_t>(cv::v_signmask(less(cv::v_load(at), than))) & 0xFFFFU;
   };
   return below(pixels, low) | below(pixels + 16, high) << 16;
 }
