@@ -1,0 +1,192 @@
+"""What a board in a cabinet must do, on the image in QEMU. Started by boot_test.sh, which puts the configuration on it."""
+
+import argparse
+import hashlib
+import random
+import re
+import sys
+import time
+
+from qemu_board import Board, Failure
+
+MAGIC, STATUS_VALID = 0x9D09, 1
+BOOT_LIMIT_S = 300  # a busy machine emulates slowly
+CONFIG = "/etc/ninedot/ninedot.toml"
+
+table = []
+
+
+def note(what, seen):
+    """One row of the table that is printed at the end, and at once for whoever watches."""
+    table.append((what, seen))
+    print(f"ok: {what}: {seen}", flush=True)
+
+
+def require(condition, what):
+    if not condition:
+        raise Failure(what)
+
+
+def wait_for_pose(board, limit_s=BOOT_LIMIT_S):
+    """\\return  seconds until Modbus reports a valid pose that is followed by another one"""
+    started, seen, last = time.monotonic(), None, None
+    while time.monotonic() - started < limit_s:
+        found = board.registers(0, 10)
+        if found:
+            require(found[0] == MAGIC, f"register 0 is {found[0]:#06x}")
+            last = found
+            if found[4] & STATUS_VALID:
+                if seen is not None and seen != found[3]:
+                    return time.monotonic() - started
+                seen = found[3] if seen is None else seen
+        board.listen(0.2)  # a console that nobody reads stops whoever writes to it
+    raise Failure(f"no valid pose within {limit_s} s; registers 0..9: {last}")
+
+
+def wait_for_restart(board, restarts, limit_s=120):
+    """\\return  seconds until systemd has started the service again"""
+    started = time.monotonic()
+    while time.monotonic() - started < limit_s:
+        if (board.run("systemctl show -P NRestarts ninedotd") == str(restarts)
+                and board.run("systemctl show -P ActiveState ninedotd") == "active"):
+            return time.monotonic() - started
+        board.listen(0.5)
+    raise Failure(f"not started again within {limit_s} s: " + board.run("journalctl -u ninedotd -n 20 --no-pager"))
+
+
+def main_pid(board):
+    pid = board.run("systemctl show -P MainPID ninedotd")
+    require(pid.isdigit() and pid != "0", f"the service does not run: {pid}")
+    return pid
+
+
+def config_sum(board):
+    return board.run(f"sha256sum < {CONFIG}").split()[0]
+
+
+def check_first_boot(board, work):
+    started = time.monotonic()
+    board.power_on()
+    wait_for_pose(board)
+    note("first boot, power to a valid pose over Modbus TCP", f"{time.monotonic() - started:.0f} s")
+    board.wait_for_shell(120)
+    board.run("systemctl is-system-running --wait || true", limit_s=240)
+    failed = board.run("systemctl list-units --failed --plain --no-legend")
+    require(failed == "", f"failed units: {failed}")
+    note("systemd", f"{board.run('systemctl is-system-running')}, no failed unit")
+
+    with open(f"{work}/ninedot.toml", "rb") as file:
+        wanted = hashlib.sha256(file.read().replace(b"\r", b"")).hexdigest()
+    require(config_sum(board) == wanted, f"{CONFIG} is not what the FAT partition holds")
+    require(board.run("cat /proc/sys/kernel/hostname") == "cabinet-7", "the hostname was not taken over")
+    require("10.0.2.77" in board.run("ip -4 -brief address"), "the network file was not taken over")
+    note("configuration from the FAT partition", "ninedot.toml, hostname, network taken over")
+
+
+def check_system(board):
+    kind = board.run("findmnt -n -o FSTYPE,OPTIONS /")
+    status, said = board.try_run("touch /usr/written /etc/written")
+    require(kind.startswith("squashfs") and " ro" in kind and status != 0 and "Read-only" in said, f"the root can be written to: {kind}, {said}")
+    note("root", f"{kind.split()[0]}, read-only")
+    kind = board.run("findmnt -n -o FSTYPE,OPTIONS /data")
+    require(kind.startswith("ext4") and " rw" in kind, f"the data partition: {kind}")
+    note("data partition", kind.replace("  ", " "))
+    pid = main_pid(board)
+    status = dict(line.split(":\t", 1) for line in board.run(f"cat /proc/{pid}/status").splitlines() if ":\t" in line)
+    user = board.run(f"stat -c %U /proc/{pid}")
+    require(user == "ninedot", f"the service runs as {user}")
+    require(int(status["CapEff"], 16) == 0 and status["NoNewPrivs"] == "1" and status["Seccomp"] == "2", f"its sandbox: {status}")
+    note("service", f"user {user}, no capability, NoNewPrivs, system calls filtered")
+    note("memory", f"service {int(status['VmRSS'].split()[0]) // 1024} MiB, board {board.run('sed -n s/^MemAvailable:.//p /proc/meminfo').strip()} free")
+    exposure = board.run("systemd-analyze security ninedotd --no-pager | tail -n 1", limit_s=120)
+    level = re.search(r"ninedotd.service: ([0-9.]+)", exposure)
+    require(level and float(level[1]) <= 2.0, f"systemd's exposure level: {exposure}")
+    note("systemd-analyze security", f"exposure {level[1]}")
+
+
+def check_restarts(board):
+    before = int(board.run("systemctl show -P NRestarts ninedotd"))
+    for what, signal, because in (("crash (kill -9)", "KILL", "signal"), ("hang (kill -STOP), ended by the watchdog", "STOP", "watchdog")):
+        pid = main_pid(board)
+        started = time.monotonic()
+        board.run(f"kill -{signal} {pid}")
+        before += 1
+        wait_for_restart(board, before)
+        wait_for_pose(board, limit_s=120)
+        took = time.monotonic() - started
+        require(main_pid(board) != pid, f"{what}: the same process still runs")
+        journal = board.run("journalctl -u ninedotd -n 30 --no-pager -o cat")
+        require(f"Failed with result '{because}'" in journal, f"{what}: the journal does not say '{because}': {journal}")
+        note(f"after a {what}", f"serves poses again after {took:.0f} s")
+
+
+# Rewrites the configuration and a counter for as long as there is power, and says which count is on the disk for certain.
+WRITER = (r"""(n=%d; while :; do n=$((n + 1)); sed "s/^# cut.*/# cut $n/" """ + CONFIG + r""" > """ + CONFIG + r""".new;"""
+          r""" sync """ + CONFIG + r""".new; mv """ + CONFIG + r""".new """ + CONFIG + r"""; sync /etc/ninedot;"""
+          r""" echo "durable=$n="; done) &""")
+
+
+def newest_count(board):
+    counts = re.findall(rb"durable=(\d+)=", board.heard)  # whole lines only, and not the echo of the command
+    return int(counts[-1]) if counts else 0
+
+
+def check_power_cuts(board, cuts, rng):
+    if not cuts:
+        return
+    board.run(f"grep -q '^# cut' {CONFIG} || echo '# cut 0' >> {CONFIG}; sync -f {CONFIG}")
+    identity = board.run("cat /etc/machine-id")
+    rest = board.run(f"grep -v '^# cut' {CONFIG} | sha256sum")
+    written = 0
+    times = []
+    for cut in range(1, cuts + 1):
+        board.heard = b""
+        board.type(WRITER % written)
+        end = time.monotonic() + rng.uniform(1.0, 6.0)
+        while time.monotonic() < end or newest_count(board) == 0:
+            board.listen(0.2)
+            require(time.monotonic() < end + 60, "the writer writes nothing")
+        board.cut_power()
+        durable = max(newest_count(board), written)
+
+        started = time.monotonic()
+        board.power_on()
+        wait_for_pose(board)
+        times.append(time.monotonic() - started)
+        board.wait_for_shell(120)
+        require(board.run(f"grep -v '^# cut' {CONFIG} | sha256sum") == rest, f"cut {cut}: the configuration is damaged")
+        written = int(board.run(f"sed -n 's/^# cut //p' {CONFIG}"))
+        require(written >= durable, f"cut {cut}: {durable} was on the disk, {written} is")
+        require(board.run("cat /etc/machine-id") == identity, f"cut {cut}: the board has lost its identity")
+        require(board.run("findmnt -n -o FSTYPE /data") == "ext4", f"cut {cut}: the data partition was not mounted")
+        require(board.try_run("dmesg | grep -i -E 'EXT4-fs error|damaged'")[0] == 1, f"cut {cut}: " + board.run("dmesg | grep -i -E 'EXT4|damaged'"))
+        print(f"   cut {cut}: {written} rewrites of the configuration so far, back after {times[-1]:.0f} s", flush=True)
+    note(f"{cuts} power cuts while the configuration was being rewritten",
+         f"intact each time, {written} rewrites, none lost; back after {min(times):.0f} to {max(times):.0f} s")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    for name in ("work", "kernel", "initrd"):
+        parser.add_argument(f"--{name}", required=True)
+    parser.add_argument("--power-cuts", type=int, required=True)
+    arguments = parser.parse_args()
+    started = time.monotonic()
+    board = Board(arguments.work, arguments.kernel, arguments.initrd)
+    try:
+        check_first_boot(board, arguments.work)
+        check_system(board)
+        check_restarts(board)
+        check_power_cuts(board, arguments.power_cuts, random.Random("power cuts"))
+    except Failure as failure:
+        print(f"FAILED: {failure}", file=sys.stderr)
+        return 1
+    finally:
+        board.cut_power()
+    width = max(len(what) for what, _ in table)
+    print("\n" + "\n".join(f"{what:<{width}}  {seen}" for what, seen in table) + f"\n\nboot test passed in {time.monotonic() - started:.0f} s")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

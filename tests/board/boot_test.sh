@@ -1,0 +1,26 @@
+#!/bin/bash
+# The board image, booted in QEMU: serves poses with the configuration from its FAT partition, recovers from a crash, a hang and
+# power cuts. Judges function, never speed.
+#
+#   tests/board/boot_test.sh [POWER-CUTS]     after ./dev image; default 3 power cuts
+#
+# NINEDOT_IMAGE: the folder with the image (default build/image). QEMU's console is kept in build/image/boot_test/.
+set -euo pipefail
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
+
+cuts=${1:-3} folder=${NINEDOT_IMAGE:-build/image} work=build/image/boot_test
+fail() { echo "boot_test.sh: $*" >&2; exit 2; }
+[[ $cuts =~ ^[0-9]+$ ]] || fail "how many power cuts? tests/board/boot_test.sh [POWER-CUTS]"
+for tool in qemu-system-aarch64 mcopy python3; do command -v "$tool" > /dev/null || fail "needs $tool: ./dev packages boot"; done
+for file in ninedot-arm64.img vmlinuz initrd.gz; do [[ -s $folder/$file ]] || fail "no $folder/$file: ./dev image"; done
+
+rm -rf "$work"
+mkdir -p "$work"
+cp --sparse=always "$folder/ninedot-arm64.img" "$work/board.img"
+# What a person would put on the FAT partition before the first boot: edited on a system with other line ends.
+mcopy -i "$work/board.img@@4M" ::ninedot.toml "$work/ninedot.toml"
+sed -i 's/^listen = .*/listen = "0.0.0.0"/; s/$/\r/' "$work/ninedot.toml"
+printf 'cabinet-7\r\n' > "$work/hostname"
+printf '[Match]\nType=ether\n\n[Network]\nDHCP=yes\nAddress=10.0.2.77/24\n' > "$work/network"
+mcopy -o -i "$work/board.img@@4M" "$work/ninedot.toml" "$work/hostname" "$work/network" ::
+exec python3 tests/board/boot_test.py --work "$work" --kernel "$folder/vmlinuz" --initrd "$folder/initrd.gz" --power-cuts "$cuts"

@@ -1,0 +1,129 @@
+"""The board image in QEMU: power on and off, a root shell on its virtual console, Modbus TCP through its emulated network."""
+
+import re
+import socket
+import struct
+import subprocess
+import time
+
+COMMAND_LINE = ("root=PARTUUID=39444f54-02 ro panic=10 systemd.gpt_auto=0 console=ttyAMA0 quiet loglevel=3 systemd.show_status=0 "
+                "mitigations=off audit=0 systemd.getty_auto=0 systemd.debug_shell=hvc0")
+
+
+class Failure(Exception):
+    """What the test found wrong."""
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Board:
+    """One machine; its disk image keeps what was written from one power-on to the next."""
+
+    def __init__(self, work, kernel, initrd):
+        self.work, self.kernel, self.initrd = work, kernel, initrd
+        self.qemu = self.console = None
+        self.heard = b""
+        self.port = free_port()
+        self.asked = 0
+
+    def power_on(self):
+        path = f"{self.work}/console.sock"
+        self.qemu = subprocess.Popen(
+            ["qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a53", "-smp", "2", "-m", "1G", "-accel", "tcg,thread=multi",
+             "-kernel", self.kernel, "-initrd", self.initrd, "-append", COMMAND_LINE,
+             "-drive", f"file={self.work}/board.img,format=raw,if=none,id=d0", "-device", "virtio-blk-pci,drive=d0",
+             "-netdev", f"user,id=n0,hostfwd=tcp:127.0.0.1:{self.port}-:1502", "-device", "virtio-net-pci,netdev=n0,romfile=",
+             "-chardev", f"socket,id=c0,path={path},server=on,wait=off,logfile={self.work}/shell.log,logappend=on",
+             "-device", "virtio-serial-pci", "-device", "virtconsole,chardev=c0",
+             "-chardev", f"file,id=c1,path={self.work}/console.log,append=on", "-serial", "chardev:c1",
+             "-display", "none", "-monitor", "none", "-no-reboot"],
+            stdin=subprocess.DEVNULL)
+        for _ in range(100):
+            try:
+                self.console = socket.socket(socket.AF_UNIX)
+                self.console.connect(path)
+                break
+            except OSError:
+                self.console.close()
+                time.sleep(0.1)
+        else:
+            raise Failure("QEMU does not open its console")
+        self.heard = b""
+
+    def cut_power(self):
+        """As a cabinet's switch does it: no signal that anything in the machine could act on."""
+        if self.qemu:
+            self.qemu.kill()
+            self.qemu.wait()
+            self.console.close()
+            self.qemu = None
+
+    def listen(self, seconds):
+        """Takes in what the console says, for so long or until it says something."""
+        self.console.settimeout(max(seconds, 0.01))
+        try:
+            chunk = self.console.recv(65536)
+        except TimeoutError:
+            return
+        if not chunk:
+            raise Failure("QEMU has ended by itself: see the console's log")
+        self.heard += chunk
+
+    def type(self, line):
+        self.console.sendall(line.encode() + b"\n")
+
+    def wait_for_shell(self, limit_s):
+        """Asks until somebody answers."""
+        end = time.monotonic() + limit_s
+        while time.monotonic() < end:
+            self.type("echo shell-is-$((40 + 2))")
+            self.listen(2.0)
+            if b"shell-is-42" in self.heard:
+                self.run("true", limit_s=60)
+                return
+        raise Failure(f"no shell on the console within {limit_s} s: {self.heard[-300:]!r}")
+
+    def run(self, command, limit_s=60):
+        """\\return  what the command prints; a command that fails or does not end is a failure of the test."""
+        status, text = self.try_run(command, limit_s)
+        if status != 0:
+            raise Failure(f"'{command}' ended with {status}: {text}")
+        return text
+
+    def try_run(self, command, limit_s=60):
+        """\\return  exit status and what was printed"""
+        self.asked += 1
+        begin, end = f"<<{self.asked}", f">>{self.asked}"
+        # The marks are put together by the shell, so that an echo of the command line is not taken for its output.
+        self.type(f"printf '%s\\n' '<''<{self.asked}'; {{ {command}\n}} 2>&1; printf '%s %s=\\n' '>''>{self.asked}' $?")
+        deadline = time.monotonic() + limit_s
+        pattern = re.compile(re.escape(begin.encode()) + rb"\r*\n(.*?)" + re.escape(end.encode()) + rb" (\d+)=", re.S)
+        while time.monotonic() < deadline:
+            found = pattern.search(self.heard)
+            if found:
+                self.heard = self.heard[found.end():]
+                return int(found[2]), found[1].decode(errors="replace").replace("\r", "").strip()
+            self.listen(deadline - time.monotonic())
+        raise Failure(f"'{command}' did not end within {limit_s} s: {self.heard[-300:]!r}")
+
+    def registers(self, first, count):
+        """\\return  the registers, or None while nobody answers"""
+        request = struct.pack(">HHHBBHH", 1, 0, 6, 1, 3, first, count)
+        try:
+            with socket.create_connection(("127.0.0.1", self.port), timeout=3) as line:
+                line.sendall(request)
+                reply = b""
+                while len(reply) < 9 + 2 * count:
+                    chunk = line.recv(512)
+                    if not chunk:
+                        return None
+                    reply += chunk
+        except OSError:
+            return None
+        if reply[7] != 3:
+            raise Failure(f"Modbus exception: {reply.hex()}")
+        return struct.unpack(f">{count}H", reply[9:9 + 2 * count])

@@ -1,0 +1,166 @@
+#!/bin/bash
+# Makes the board image: 64-bit ARM, Debian 13, read-only root, data partition, configuration on a FAT partition. docs/board.md says what is on it.
+#
+#   toolchains/image.sh       as root; result: build/image/ninedot-arm64.img, and vmlinuz and initrd.gz for QEMU's -kernel and -initrd
+#
+# Debian's part is made once and again when its packages change. The same sources give the same bytes (SOURCE_DATE_EPOCH: the last
+# commit's time). NINEDOT_CACHE, NINEDOT_MIRROR, NINEDOT_JOBS: as for toolchains/cross.sh.
+set -euo pipefail
+shopt -s inherit_errexit
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
+source toolchains/roots.sh
+
+started=$SECONDS
+disk_signature=39444f54     # the same on all boards: it names the disk that the root is on, and no board has two of them
+data_uuid=9d090000-0000-4000-8000-000000000003
+fat_mib=128 data_mib=64     # data: a few files; the journal takes 4 MiB
+out=build/image image=build/image/ninedot-arm64.img
+# Unpacked by nobody: OpenCV's core asks for the graphics stack, of which it calls nothing without a window.
+left_out=(/usr/share/man/ /usr/share/info/ /usr/share/locale/ /usr/share/lintian/ /usr/share/bash-completion/ /usr/share/zsh/
+  /usr/lib/aarch64-linux-gnu/libLLVM /usr/lib/aarch64-linux-gnu/libgallium /usr/lib/aarch64-linux-gnu/libz3 /usr/lib/aarch64-linux-gnu/dri/)
+# No screen, no sound, no server's controllers: half of the drivers' size.
+drivers_left_out=(sound kernel/sound drivers/gpu drivers/infiniband drivers/scsi/lpfc drivers/scsi/qla2xxx drivers/scsi/mpt3sas
+  drivers/net/ethernet/mellanox drivers/net/ethernet/intel drivers/net/ethernet/broadcom/bnxt drivers/net/ethernet/broadcom/bnx2x
+  drivers/net/wireless fs/btrfs fs/xfs fs/ocfs2 fs/gfs2 fs/ceph fs/bcachefs drivers/md drivers/isdn drivers/accel)
+
+require_root
+for tool in mmdebstrap mksquashfs mcopy mkfs.vfat mke2fs sfdisk cpio depmod xz; do
+  command -v "$tool" > /dev/null || roots_fail "needs $tool: ./dev packages cross image"
+done
+require_emulation arm64
+SOURCE_DATE_EPOCH=$(source_date_epoch)
+export SOURCE_DATE_EPOCH
+
+# debian_base DEB: the folder with Debian's part, made if need be. The packages that the ninedot package asks for are in it.
+debian_base() {
+  local names key base log option=() place
+  names=$( (dpkg-deb -f "$1" Depends | tr ',' '\n' | sed 's/|.*//; s/(.*//; s/ //g'
+    sed 's/#.*//; s/ //g' systemd/image/packages.txt) | grep . | sort -u)
+  key=$(sha256sum <<< "$ninedot_suite $names ${left_out[*]}" | cut -c 1-12)
+  base=$ninedot_cache/board-$key
+  if [[ ! -d $base ]]; then
+    echo "== making Debian's part: $base (takes 5 to 10 minutes)" >&2
+    mkdir -p "$ninedot_cache"
+    rm -rf --one-file-system "$base.part"
+    log=$ninedot_cache/board.log
+    for place in "${left_out[@]}"; do option+=("--dpkgopt=path-exclude=$place*"); done
+    option+=("--dpkgopt=path-exclude=/usr/share/doc/*" "--dpkgopt=path-include=/usr/share/doc/*/copyright" "--dpkgopt=path-include=/usr/share/doc/ninedot/*")
+    # The kernel is unpacked later without its installation scripts, which would make an initrd under emulation for minutes.
+    # shellcheck disable=SC2016
+    new_root --variant=minbase --architectures=arm64 --components=main,non-free-firmware "${option[@]}" --include="${names//$'\n'/,}" \
+      --customize-hook='mkdir "$1/board" && chroot "$1" sh -ec "cd /board && apt-get download busybox-static raspi-firmware \
+        \$(apt-cache depends linux-image-arm64 | sed -n \"s/.*Depends: \(linux-image-[0-9].*\)/\1/p\" | head -n 1)"' \
+      "$ninedot_suite" "$base.part" "$(debian_mirror)" > "$log" 2>&1 || { tail -n 20 "$log" >&2; roots_fail "Debian's part failed; its whole output: $log"; }
+    mv "$base.part" "$base"
+  fi
+  echo "$base"
+}
+
+# unpack DEB FOLDER [TAR OPTION...]
+unpack() {
+  local deb=$1 folder=$2; shift 2
+  mkdir -p "$folder"
+  dpkg-deb --fsys-tarfile "$deb" | tar -x -C "$folder" --keep-directory-symlink "$@"
+}
+
+# fill_root ROOT: everything that is ours, and nothing that differs from one making to the next.
+fill_root() {
+  local root=$1 option=() place version
+  for place in "${drivers_left_out[@]}"; do option+=("--exclude=*/kernel/${place#kernel/}"); done
+  unpack "$root"/board/linux-image-*.deb "$root" "${option[@]}"
+  version=$(basename "$root"/usr/lib/modules/*)
+  depmod -b "$root" "$version"
+  in_root "$root" "$(dirname "$deb")" dpkg -i "$(basename "$deb")"
+  cp -r systemd/image/root/. "$root/"
+  in_root "$root" "$PWD" systemctl enable ninedot-configure.service systemd-networkd.service ssh.service
+  # Work for a system that updates itself, and logins that nobody has a password for.
+  in_root "$root" "$PWD" systemctl mask apt-daily.timer apt-daily-upgrade.timer dpkg-db-backup.timer e2scrub_all.timer e2scrub_reap.service \
+    fstrim.timer getty-static.service
+  mkdir -p "$root/etc/systemd/system-generators"
+  ln -s /dev/null "$root/etc/systemd/system-generators/systemd-ssh-generator"
+  mkdir -p "$root/data" "$root/var/lib/ninedot"
+  echo ninedot > "$root/etc/hostname"
+  printf '127.0.0.1 localhost\n127.0.1.1 ninedot\n::1 localhost\n' > "$root/etc/hosts"
+  : > "$root/etc/machine-id"
+  rm -rf "$root/ninedot" "$root"/etc/ssh/ssh_host_* "$root"/var/lib/apt/lists/* "$root"/var/cache/* "$root"/var/log/* "$root"/var/lib/systemd/* \
+    "$root"/var/lib/dpkg/*-old "$root"/etc/*- "$root/etc/resolv.conf" "$root"/tmp/* "$root"/run/* "${root:?}"/dev/* "$root"/initrd.img* "$root"/vmlinuz*
+}
+
+# make_initrd ROOT FOLDER: BusyBox, one script, and the drivers on the way to the disk.
+make_initrd() {
+  local root=$1 tree=$2/initrd version file
+  version=$(basename "$root"/usr/lib/modules/*)
+  mkdir -p "$tree"/{bin,dev,proc,sys,run,root,modules}
+  unpack "$root"/board/busybox-static_*.deb "$2/busybox"
+  install -m 755 "$2/busybox/usr/bin/busybox" "$tree/bin/busybox"
+  install -m 755 systemd/image/init "$tree/init"
+  # In an order in which each finds what it needs; built-in ones and those of other kernels fall out.
+  sed '/^#/d' systemd/image/modules.txt | while read -r file; do
+    modprobe -d "$root" -S "$version" --show-depends "$file" 2> /dev/null | sed -n 's/^insmod \([^ ]*\).*/\1/p' || true
+  done | awk '!seen[$0]++' | while read -r file; do
+    if [[ $file == *.xz ]]; then xz -dc "$file"; else cat "$file"; fi > "$tree/modules/$(basename "${file%.xz}")"
+    basename "${file%.xz}" >> "$tree/modules/order"
+  done
+  mknod -m 600 "$tree/dev/console" c 5 1
+  find "$tree" -exec touch -h -d "@$SOURCE_DATE_EPOCH" {} +
+  (cd "$tree" && find . | LC_ALL=C sort | cpio --quiet --reproducible -o -H newc) | gzip -9n > "$out/initrd.gz"
+}
+
+# make_fat ROOT FOLDER: the configuration, the kernel, and what a Raspberry Pi loads before it.
+make_fat() {
+  local root=$1 tree=$2/fat
+  mkdir -p "$tree"
+  sed 's/$/\r/' systemd/image/README.txt > "$tree/README.TXT"
+  cp "$root/etc/ninedot/ninedot.toml" systemd/image/config.txt "$out/vmlinuz" "$out/initrd.gz" "$tree/"
+  echo "root=PARTUUID=$disk_signature-02 ro quiet panic=10 systemd.gpt_auto=0 console=tty1" > "$tree/cmdline.txt"
+  unpack "$root"/board/raspi-firmware_*.deb "$2/firmware"
+  cp "$2"/firmware/usr/lib/raspi-firmware/{bootcode.bin,start*.elf,fixup*.dat} "$tree/"
+  cp "$2/firmware/usr/share/doc/raspi-firmware/copyright" "$tree/LICENCE.raspi-firmware"
+  cp "$root"/usr/lib/linux-image-*/broadcom/bcm2{711,712,837}-rpi-*.dtb "$tree/"
+  find "$tree" -exec touch -d "@$SOURCE_DATE_EPOCH" {} +
+  truncate -s "${fat_mib}M" "$2/fat.img"
+  mkfs.vfat -F 32 -n NINEDOT -i "$disk_signature" --invariant "$2/fat.img" > /dev/null
+  (cd "$tree" && find . -type f | LC_ALL=C sort | TZ=UTC xargs mcopy -m -i "$2/fat.img" :: 2> /dev/null) ||
+    (cd "$tree" && find . -type f | LC_ALL=C sort | TZ=UTC xargs -I {} mcopy -m -i "$2/fat.img" {} ::)
+}
+
+# make_disk FOLDER: three partitions in one file.
+make_disk() {
+  local root_mib
+  truncate -s "${data_mib}M" "$1/data.img"
+  E2FSPROGS_FAKE_TIME=$SOURCE_DATE_EPOCH mke2fs -q -t ext4 -L ninedot-data -U "$data_uuid" -J size=4 -m 1 \
+    -E "hash_seed=$data_uuid,lazy_itable_init=0,lazy_journal_init=0,root_owner=0:0" "$1/data.img"
+  root_mib=$(($(stat -c %s "$1/root.squashfs") / 1048576 + 1))
+  rm -f "$image"
+  truncate -s "$((4 + fat_mib + root_mib + data_mib))M" "$image"
+  printf 'label: dos\nlabel-id: 0x%s\n%s\n' "$disk_signature" "start=4MiB, size=${fat_mib}MiB, type=c, bootable
+start=$((4 + fat_mib))MiB, size=${root_mib}MiB, type=83
+start=$((4 + fat_mib + root_mib))MiB, size=${data_mib}MiB, type=83" | sfdisk -q "$image"
+  place() { dd if="$1" of="$image" bs=1M seek="$2" conv=notrunc,sparse status=none; }
+  place "$1/fat.img" 4
+  place "$1/root.squashfs" $((4 + fat_mib))
+  place "$1/data.img" $((4 + fat_mib + root_mib))
+}
+
+NINEDOT_JOBS=${NINEDOT_JOBS:-$(nproc)} toolchains/cross.sh arm64
+deb=$(ls build/package-arm64/package/*_arm64.deb)
+base=$(debian_base "$deb")
+work=$(mktemp -d "$ninedot_cache/board-work-XXXXXX")
+log=
+# shellcheck disable=SC2154
+trap 'status=$?; rm -rf --one-file-system "$work"; [[ $status -eq 0 || -z $log ]] || { tail -n 20 "$log" >&2; echo "image.sh: failed; the whole output: $log" >&2; }' EXIT
+mkdir -p "$out"
+echo "== making the image"
+cp -a "$base" "$work/root"
+log=$out/image.log
+fill_root "$work/root" > "$log" 2>&1
+install -m 644 "$work"/root/boot/vmlinuz-* "$out/vmlinuz"
+make_initrd "$work/root" "$work" >> "$log" 2>&1
+make_fat "$work/root" "$work" >> "$log" 2>&1
+rm -rf "$work"/root/board "$work"/root/boot/* "$work"/root/usr/lib/linux-image-*
+env -u SOURCE_DATE_EPOCH mksquashfs "$work/root" "$work/root.squashfs" -comp zstd -Xcompression-level 19 -noappend -no-progress -quiet \
+  -mkfs-time "$SOURCE_DATE_EPOCH" -all-time "$SOURCE_DATE_EPOCH" -processors "${NINEDOT_JOBS:-$(nproc)}" >> "$log" 2>&1
+make_disk "$work" >> "$log" 2>&1
+mib() { echo "$(($(stat -c %s "$1") / 1048576)) MiB"; }
+echo "== $image: $(mib "$image"), of which root $(mib "$work/root.squashfs") ($(du -sm --apparent-size "$work/root" | cut -f 1) MiB unpacked)"
+echo "== kernel $(mib "$out/vmlinuz"), initrd $(mib "$out/initrd.gz"), sha256 $(sha256sum "$image" | cut -c 1-16), made in $((SECONDS - started)) s"
