@@ -28,7 +28,7 @@ def require(condition, what):
 
 
 def wait_for_pose(board, limit_s=BOOT_LIMIT_S):
-    """\\return  seconds until Modbus reports a valid pose that is followed by another one"""
+    """Returns seconds until Modbus reports a valid pose that is followed by another one"""
     started, seen, last = time.monotonic(), None, None
     while time.monotonic() - started < limit_s:
         found = board.registers(0, 10)
@@ -44,7 +44,7 @@ def wait_for_pose(board, limit_s=BOOT_LIMIT_S):
 
 
 def wait_for_restart(board, restarts, limit_s=120):
-    """\\return  seconds until systemd has started the service again"""
+    """Returns seconds until systemd has started the service again"""
     started = time.monotonic()
     while time.monotonic() - started < limit_s:
         if (board.run("systemctl show -P NRestarts ninedotd") == str(restarts)
@@ -64,6 +64,12 @@ def config_sum(board):
     return board.run(f"sha256sum < {CONFIG}").split()[0]
 
 
+def config_on_fat(work):
+    """Returns the sum of what boot_test.sh put there, with the line ends that the board gives it"""
+    with open(f"{work}/ninedot.toml", "rb") as file:
+        return hashlib.sha256(file.read().replace(b"\r", b"")).hexdigest()
+
+
 def check_first_boot(board, work):
     started = time.monotonic()
     board.power_on()
@@ -75,12 +81,12 @@ def check_first_boot(board, work):
     require(failed == "", f"failed units: {failed}")
     note("systemd", f"{board.run('systemctl is-system-running')}, no failed unit")
 
-    with open(f"{work}/ninedot.toml", "rb") as file:
-        wanted = hashlib.sha256(file.read().replace(b"\r", b"")).hexdigest()
-    require(config_sum(board) == wanted, f"{CONFIG} is not what the FAT partition holds")
+    require(config_sum(board) == config_on_fat(work), f"{CONFIG} is not what the FAT partition holds")
     require(board.run("cat /proc/sys/kernel/hostname") == "cabinet-7", "the hostname was not taken over")
     require("10.0.2.77" in board.run("ip -4 -brief address"), "the network file was not taken over")
-    note("configuration from the FAT partition", "ninedot.toml, hostname, network taken over")
+    status, said = board.log_in("systemctl is-active ninedotd")
+    require((status, said) == (0, "active"), f"login by key: {status}, {said}")
+    note("configuration from the FAT partition", "ninedot.toml, hostname, network, authorized_keys taken over; login by key")
 
 
 def check_system(board):
@@ -165,6 +171,52 @@ def check_power_cuts(board, cuts, rng):
          f"intact each time, {written} rewrites, none lost; back after {min(times):.0f} to {max(times):.0f} s")
 
 
+def start_again(board):
+    """Returns seconds from power to a valid pose"""
+    board.cut_power()
+    started = time.monotonic()
+    board.power_on()
+    wait_for_pose(board)
+    took = time.monotonic() - started
+    board.wait_for_shell(120)
+    return took
+
+
+def check_new_configuration(board, work):
+    """What is on the FAT partition is taken over when it changes there, and only then."""
+    board.run(f"echo '# edited on the board' >> {CONFIG}; echo kept > /var/lib/ninedot/kept; sync -f {CONFIG}")
+    edited = config_sum(board)
+    start_again(board)
+    require(config_sum(board) == edited, "what was edited on the board is gone after a restart")
+    board.cut_power()
+    with open(f"{work}/ninedot.toml", encoding="ascii") as file:
+        text = file.read()
+    board.put_on_fat(text + "# edited on the card\n", "ninedot.toml")
+    board.put_on_fat("cabinet-8\n", "hostname")
+    start_again(board)
+    require(config_sum(board) == config_on_fat(work), "the new configuration was not taken over")
+    require(board.run("cat /proc/sys/kernel/hostname") == "cabinet-8", "the new hostname was not taken over")
+    require(board.run("cat /var/lib/ninedot/kept") == "kept", "/var/lib/ninedot was not kept")
+    note("configuration changed on the board, then on the FAT partition", "kept over a restart, then replaced")
+
+
+def check_lost_storage(board, work):
+    """Flash that forgets: the board goes on with the configuration of the FAT partition."""
+    board.cut_power()
+    board.overwrite(3, 1 << 20)
+    start_again(board)
+    require(board.run("findmnt -n -o FSTYPE /data") == "ext4", "the data partition was not repaired")
+    require(config_sum(board) == config_on_fat(work), "the configuration did not come back from the FAT partition")
+    note("the data partition's first MiB overwritten", "repaired at the start, configuration back from the FAT partition")
+    board.cut_power()
+    board.overwrite(3, 1 << 40)
+    start_again(board)
+    require(board.run("findmnt -n -o FSTYPE /data") == "tmpfs", "/data is not in memory")
+    require(config_sum(board) == config_on_fat(work), "the configuration did not come from the FAT partition")
+    require("memory only" in board.run("dmesg"), "the kernel's log does not say that changes are kept in memory")
+    note("the data partition overwritten as a whole", "serves poses; changes are kept in memory only, and the kernel's log says so")
+
+
 def main():
     parser = argparse.ArgumentParser()
     for name in ("work", "kernel", "initrd"):
@@ -178,6 +230,8 @@ def main():
         check_system(board)
         check_restarts(board)
         check_power_cuts(board, arguments.power_cuts, random.Random("power cuts"))
+        check_new_configuration(board, arguments.work)
+        check_lost_storage(board, arguments.work)
     except Failure as failure:
         print(f"FAILED: {failure}", file=sys.stderr)
         return 1

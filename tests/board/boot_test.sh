@@ -11,7 +11,7 @@ cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 cuts=${1:-3} folder=${NINEDOT_IMAGE:-build/image} work=build/image/boot_test
 fail() { echo "boot_test.sh: $*" >&2; exit 2; }
 [[ $cuts =~ ^[0-9]+$ ]] || fail "how many power cuts? tests/board/boot_test.sh [POWER-CUTS]"
-for tool in qemu-system-aarch64 mcopy python3; do command -v "$tool" > /dev/null || fail "needs $tool: ./dev packages boot"; done
+for tool in qemu-system-aarch64 mcopy python3 ssh-keygen; do command -v "$tool" > /dev/null || fail "needs $tool: ./dev packages boot"; done
 for file in ninedot-arm64.img vmlinuz initrd.gz; do [[ -s $folder/$file ]] || fail "no $folder/$file: ./dev image"; done
 
 rm -rf "$work"
@@ -22,5 +22,7 @@ mcopy -i "$work/board.img@@4M" ::ninedot.toml "$work/ninedot.toml"
 sed -i 's/^listen = .*/listen = "0.0.0.0"/; s/$/\r/' "$work/ninedot.toml"
 printf 'cabinet-7\r\n' > "$work/hostname"
 printf '[Match]\nType=ether\n\n[Network]\nDHCP=yes\nAddress=10.0.2.77/24\n' > "$work/network"
-mcopy -o -i "$work/board.img@@4M" "$work/ninedot.toml" "$work/hostname" "$work/network" ::
+ssh-keygen -q -t ed25519 -N '' -C boot_test -f "$work/key"
+cp "$work/key.pub" "$work/authorized_keys"
+mcopy -o -i "$work/board.img@@4M" "$work"/{ninedot.toml,hostname,network,authorized_keys} ::
 exec python3 tests/board/boot_test.py --work "$work" --kernel "$folder/vmlinuz" --initrd "$folder/initrd.gz" --power-cuts "$cuts"

@@ -27,7 +27,7 @@ class Board:
         self.work, self.kernel, self.initrd = work, kernel, initrd
         self.qemu = self.console = None
         self.heard = b""
-        self.port = free_port()
+        self.port, self.ssh_port = free_port(), free_port()
         self.asked = 0
 
     def power_on(self):
@@ -36,7 +36,8 @@ class Board:
             ["qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a53", "-smp", "2", "-m", "1G", "-accel", "tcg,thread=multi",
              "-kernel", self.kernel, "-initrd", self.initrd, "-append", COMMAND_LINE,
              "-drive", f"file={self.work}/board.img,format=raw,if=none,id=d0", "-device", "virtio-blk-pci,drive=d0",
-             "-netdev", f"user,id=n0,hostfwd=tcp:127.0.0.1:{self.port}-:1502", "-device", "virtio-net-pci,netdev=n0,romfile=",
+             "-netdev", f"user,id=n0,hostfwd=tcp:127.0.0.1:{self.port}-:1502,hostfwd=tcp:127.0.0.1:{self.ssh_port}-:22",
+             "-device", "virtio-net-pci,netdev=n0,romfile=",
              "-chardev", f"socket,id=c0,path={path},server=on,wait=off,logfile={self.work}/shell.log,logappend=on",
              "-device", "virtio-serial-pci", "-device", "virtconsole,chardev=c0",
              "-chardev", f"file,id=c1,path={self.work}/console.log,append=on", "-serial", "chardev:c1",
@@ -61,6 +62,34 @@ class Board:
             self.qemu.wait()
             self.console.close()
             self.qemu = None
+
+    def partition(self, number):
+        """Returns where a partition of the disk image begins and how long it is, in bytes"""
+        with open(f"{self.work}/board.img", "rb") as image:
+            first, count = struct.unpack_from("<II", image.read(512), 446 + 16 * (number - 1) + 8)
+        return first * 512, count * 512
+
+    def overwrite(self, number, length):
+        """The first bytes of a partition become 0xFF, as in flash that was erased."""
+        start, whole = self.partition(number)
+        with open(f"{self.work}/board.img", "r+b") as image:
+            image.seek(start)
+            image.write(b"\xff" * min(length, whole))
+
+    def put_on_fat(self, text, name):
+        """A file onto the configuration partition, as from another computer's card reader."""
+        path = f"{self.work}/{name}"
+        with open(path, "w", encoding="ascii") as file:
+            file.write(text)
+        subprocess.run(["mcopy", "-o", "-i", f"{self.work}/board.img@@{self.partition(1)[0]}", path, "::"], check=True)
+
+    def log_in(self, command):
+        """By ssh with the key that boot_test.sh made. Returns exit status and output"""
+        done = subprocess.run(
+            ["ssh", "-q", "-i", f"{self.work}/key", "-p", str(self.ssh_port), "-o", "BatchMode=yes", "-o", "StrictHostKeyChecking=no",
+             "-o", f"UserKnownHostsFile={self.work}/known_hosts", "-o", "ConnectTimeout=60", "root@127.0.0.1", command],
+            stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120, check=False)
+        return done.returncode, done.stdout.strip()
 
     def listen(self, seconds):
         """Takes in what the console says, for so long or until it says something."""
@@ -88,14 +117,14 @@ class Board:
         raise Failure(f"no shell on the console within {limit_s} s: {self.heard[-300:]!r}")
 
     def run(self, command, limit_s=60):
-        """\\return  what the command prints; a command that fails or does not end is a failure of the test."""
+        """Returns what the command prints; a command that fails or does not end is a failure of the test."""
         status, text = self.try_run(command, limit_s)
         if status != 0:
             raise Failure(f"'{command}' ended with {status}: {text}")
         return text
 
     def try_run(self, command, limit_s=60):
-        """\\return  exit status and what was printed"""
+        """Returns exit status and what was printed"""
         self.asked += 1
         begin, end = f"<<{self.asked}", f">>{self.asked}"
         # The marks are put together by the shell, so that an echo of the command line is not taken for its output.
@@ -111,7 +140,7 @@ class Board:
         raise Failure(f"'{command}' did not end within {limit_s} s: {self.heard[-300:]!r}")
 
     def registers(self, first, count):
-        """\\return  the registers, or None while nobody answers"""
+        """Returns the registers, or None while nobody answers"""
         request = struct.pack(">HHHBBHH", 1, 0, 6, 1, 3, first, count)
         try:
             with socket.create_connection(("127.0.0.1", self.port), timeout=3) as line:

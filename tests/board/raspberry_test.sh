@@ -1,0 +1,37 @@
+#!/bin/bash
+# What a Raspberry Pi's firmware would load from the FAT partition (kernel, initrd, device tree, command line), started on QEMU's
+# Raspberry Pi 3: finds its root on the SD card, takes the configuration over and starts the service. The firmware itself is not run.
+#
+#   tests/board/raspberry_test.sh     after ./dev image; takes 3 to 6 minutes
+set -euo pipefail
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
+
+folder=${NINEDOT_IMAGE:-build/image} work=build/image/raspberry_test limit_s=900
+fail() { echo "raspberry_test.sh: $*" >&2; exit 2; }
+for tool in qemu-system-aarch64 mcopy; do command -v "$tool" > /dev/null || fail "needs $tool: ./dev packages boot"; done
+[[ -s $folder/ninedot-arm64.img ]] || fail "no $folder/ninedot-arm64.img: ./dev image"
+
+rm -rf "$work"
+mkdir -p "$work"
+cp --sparse=always "$folder/ninedot-arm64.img" "$work/card.img"
+truncate -s 512M "$work/card.img"  # cards come in powers of two
+mcopy -i "$work/card.img@@4M" ::vmlinuz ::initrd.gz ::bcm2837-rpi-3-b.dtb ::cmdline.txt "$work/"
+# The service reports to the console instead of a screen that nobody sees.
+line=$(sed 's/console=tty1//; s/\bquiet\b//' "$work/cmdline.txt")
+qemu-system-aarch64 -M raspi3b -kernel "$work/vmlinuz" -initrd "$work/initrd.gz" -dtb "$work/bcm2837-rpi-3-b.dtb" \
+  -append "$line console=ttyAMA0,115200 loglevel=3 systemd.show_status=1 systemd.getty_auto=0" \
+  -drive "file=$work/card.img,format=raw,if=sd" -serial "file:$work/console.log" -serial null \
+  -display none -monitor none -no-reboot < /dev/null &
+qemu=$!
+trap 'kill -9 $qemu 2> /dev/null || true' EXIT
+
+started=$SECONDS
+said() { grep -q -a -E "$1" "$work/console.log" 2> /dev/null; }
+until said 'Started .*ninedotd.service'; do
+  kill -0 $qemu 2> /dev/null || { echo "FAILED: QEMU has ended: $work/console.log" >&2; exit 1; }
+  ! said 'Failed to start .*ninedot|ninedot-init:' || { grep -a -E 'Failed|ninedot-init' "$work/console.log" >&2; exit 1; }
+  [[ $((SECONDS - started)) -lt $limit_s ]] || { tail -n 5 "$work/console.log" >&2; echo "FAILED: no ninedotd after $limit_s s" >&2; exit 1; }
+  sleep 2
+done
+said 'Finished .*ninedot-configure.service' || { echo "FAILED: the configuration was not taken over" >&2; exit 1; }
+echo "ok: Raspberry Pi 3 (QEMU): root from the SD card, configuration taken over, ninedotd started after $((SECONDS - started)) s"
