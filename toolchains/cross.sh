@@ -43,7 +43,7 @@ if [[ ! -d $root ]]; then
   arch=$arch libraries=${libraries//$'\n'/ } script=$install_libraries new_root --variant=minbase \
     --architectures="$native,$arch" --include="crossbuild-essential-$arch,${tools//$'\n'/,}" \
     --customize-hook='chroot "$1" env arch="$arch" libraries="$libraries" DEBIAN_FRONTEND=noninteractive sh -ec "$script"' \
-    "$ninedot_suite" "$root.part" "$(debian_mirror)" > "$log" 2>&1 || { tail -n 20 "$log" >&2; roots_fail "the cross root failed; its whole output: $log"; }
+    "$ninedot_suite" "$root.part" "$(debian_mirror)" > "$log" 2>&1 < /dev/null || { tail -n 20 "$log" >&2; roots_fail "the cross root failed; its whole output: $log"; }
   mv "$root.part" "$root"
   echo "== made in $((SECONDS - started)) s, $(du -sh "$root" | cut -f 1)"
 fi

@@ -3,8 +3,8 @@
 #
 #   toolchains/image.sh       as root; result: build/image/ninedot-arm64.img, and vmlinuz and initrd.gz for QEMU's -kernel and -initrd
 #
-# Debian's part is made once and again when its packages change. The same sources give the same bytes (SOURCE_DATE_EPOCH: the last
-# commit's time). NINEDOT_CACHE, NINEDOT_MIRROR, NINEDOT_JOBS: as for toolchains/cross.sh.
+# Debian's part is made once and again when the list of its packages changes. The same sources give the same bytes (SOURCE_DATE_EPOCH: the last
+# commit's time). NINEDOT_CACHE, NINEDOT_MIRROR, NINEDOT_JOBS: as for toolchains/cross.sh; NINEDOT_SECURITY_MIRROR: roots.sh.
 set -euo pipefail
 shopt -s inherit_errexit
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
@@ -33,10 +33,11 @@ export SOURCE_DATE_EPOCH
 
 # debian_base DEB: the folder with Debian's part, made if need be. The packages that the ninedot package asks for are in it.
 debian_base() {
-  local names key base log option=() place
+  local names key base log option=() place sources
+  sources=$(board_sources)
   names=$( (dpkg-deb -f "$1" Depends | tr ',' '\n' | sed 's/|.*//; s/(.*//; s/ //g'
     sed 's/#.*//; s/ //g' systemd/image/packages.txt) | grep . | sort -u)
-  key=$(sha256sum <<< "$ninedot_suite $names ${left_out[*]}" | cut -c 1-12)
+  key=$(sha256sum <<< "$sources $names ${left_out[*]}" | cut -c 1-12)
   base=$ninedot_cache/board-$key
   if [[ ! -d $base ]]; then
     echo "== making Debian's part: $base (takes 5 to 10 minutes)" >&2
@@ -47,10 +48,10 @@ debian_base() {
     option+=("--dpkgopt=path-exclude=/usr/share/doc/*" "--dpkgopt=path-include=/usr/share/doc/*/copyright" "--dpkgopt=path-include=/usr/share/doc/ninedot/*")
     # The kernel is unpacked later without its installation scripts, which would make an initrd under emulation for minutes.
     # shellcheck disable=SC2016
-    new_root --variant=minbase --architectures=arm64 --components=main,non-free-firmware "${option[@]}" --include="${names//$'\n'/,}" \
+    new_root --variant=minbase --architectures=arm64 "${option[@]}" --include="${names//$'\n'/,}" \
       --customize-hook='mkdir "$1/board" && chroot "$1" sh -ec "cd /board && apt-get download busybox-static raspi-firmware \
         \$(apt-cache depends linux-image-arm64 | sed -n \"s/.*Depends: \(linux-image-[0-9].*\)/\1/p\" | head -n 1)"' \
-      "$ninedot_suite" "$base.part" "$(debian_mirror)" > "$log" 2>&1 || { tail -n 20 "$log" >&2; roots_fail "Debian's part failed; its whole output: $log"; }
+      "$ninedot_suite" "$base.part" - <<< "$sources" > "$log" 2>&1 || { tail -n 20 "$log" >&2; roots_fail "Debian's part failed; its whole output: $log"; }
     mv "$base.part" "$base"
   fi
   echo "$base"

@@ -14,6 +14,14 @@ debian_mirror() {
   echo "$mirror"
 }
 
+# The board's sources with security fixes and stable updates. NINEDOT_SECURITY_MIRROR: default beside the archive, as deb.debian.org has it.
+board_sources() {
+  local mirror security
+  mirror=$(debian_mirror)
+  security=${NINEDOT_SECURITY_MIRROR:-${mirror%/}-security}
+  printf 'deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] %s %s main non-free-firmware\n' "$mirror" "$ninedot_suite" "$mirror" "$ninedot_suite-updates" "$security" "$ninedot_suite-security"
+}
+
 require_root() { [[ $EUID -eq 0 ]] || roots_fail "needs root for chroot and mounts: run it with sudo"; }
 
 # The time that everything made here bears: that of the last commit.
@@ -33,11 +41,11 @@ require_emulation() {
   echo "$line" > "$table/register" 2> /dev/null || roots_fail "cannot register $name with the kernel (binfmt_misc)"
 }
 
-# new_root MMDEBSTRAP-ARGUMENT...: mmdebstrap with its mounts in a namespace of their own, so that a run that is killed leaves none.
+# new_root MMDEBSTRAP-ARGUMENT... < SOURCES: mmdebstrap with its mounts in a namespace of their own, so that a run that is killed leaves none.
 new_root() {
   unshare --mount --propagation private --pid --fork --kill-child --mount-proc /bin/bash -c '
     mount -t binfmt_misc binfmt_misc /proc/sys/fs/binfmt_misc 2> /dev/null || true
-    exec mmdebstrap --quiet --mode=root --aptopt="APT::Install-Recommends \"0\"" "$@"' new_root "$@" < /dev/null
+    exec mmdebstrap --quiet --mode=root --aptopt="APT::Install-Recommends \"0\"" "$@"' new_root "$@"
 }
 
 # in_root ROOT SOURCE COMMAND...: runs the command in the root, in the folder SOURCE seen as /ninedot. Mounts live in a

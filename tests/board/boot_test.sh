@@ -17,6 +17,7 @@ for file in ninedot-arm64.img vmlinuz initrd.gz; do [[ -s $folder/$file ]] || fa
 rm -rf "$work"
 mkdir -p "$work"
 cp --sparse=always "$folder/ninedot-arm64.img" "$work/board.img"
+cp "$folder/vmlinuz" "$folder/initrd.gz" "$work/"  # a new image may be made meanwhile
 # What a person would put on the FAT partition before the first boot: edited on a system with other line ends.
 mcopy -i "$work/board.img@@4M" ::ninedot.toml "$work/ninedot.toml"
 sed -i 's/^listen = .*/listen = "0.0.0.0"/; s/$/\r/' "$work/ninedot.toml"
@@ -25,4 +26,4 @@ printf '[Match]\nType=ether\n\n[Network]\nDHCP=yes\nAddress=10.0.2.77/24\n' > "$
 ssh-keygen -q -t ed25519 -N '' -C boot_test -f "$work/key"
 cp "$work/key.pub" "$work/authorized_keys"
 mcopy -o -i "$work/board.img@@4M" "$work"/{ninedot.toml,hostname,network,authorized_keys} ::
-exec python3 tests/board/boot_test.py --work "$work" --kernel "$folder/vmlinuz" --initrd "$folder/initrd.gz" --power-cuts "$cuts"
+exec python3 tests/board/boot_test.py --work "$work" --kernel "$work/vmlinuz" --initrd "$work/initrd.gz" --power-cuts "$cuts"
