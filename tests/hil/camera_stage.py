@@ -1,0 +1,144 @@
+"""Recorded frames into vivid's output node, out of its capture node, through ninedotd: the poses are those of the replay."""
+
+import csv
+import io
+import time
+
+from media import PIXEL_FORMATS, SCENE_OF_FORMATS
+from registers import REASON_NO_LANDMARK, DifferenceFromRow
+from service import GuestService, camera_config
+from vivid import Vivid
+
+CHECKS = ("cameras", "check", "pictures", "formats", "replay-of-capture", "stills", "free-running", "stamps", "ends")
+
+FRAMES_IN_FLIGHT = 8  # more than the driver's buffers: a frame processed so much later is of the new picture
+RECORDED = 60
+FREE_RUNNING_S = 12.0
+ROW_OF_ITS_OWN = ("frame", "timestamp_ns", "process_us")
+
+
+def csv_rows(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def same_pose(row, other):
+    return all(row[name] == other[name] for name in row if name not in ROW_OF_ITS_OWN)
+
+
+def checksums(guest, folder):
+    """Number of a frame -> checksum of its picture file. Both files are from the same encoder, so equal files are equal pictures."""
+    lines = guest.check(f"cd {folder}/frames && md5sum *.png", 60).splitlines()
+    return {int(name.split(".")[0]): digest for digest, name in (line.split() for line in lines)}
+
+
+def record(guest, out, frames, pixel_format):
+    guest.write("/tmp/record.toml", camera_config(pixel_format=pixel_format))
+    return guest.check(f"rm -rf {out}; ninedot record --config /tmp/record.toml --out {out} --frames {frames}", 120)
+
+
+class CameraStage:
+    def __init__(self, stage, guest):
+        self.stage, self.guest = stage, guest
+        self.vivid = Vivid(guest)
+        # All of the scenes once more through our own encoder, to compare with what is captured.
+        guest.write("/tmp/scenes.toml", '[camera]\nsource = "recording"\ndevice = "/media/scenes"\nloop = false\n[pose]\ntracking = false')
+        guest.check("ninedot record --config /tmp/scenes.toml --out /tmp/scenes", 120)
+        self.sums = checksums(guest, "/tmp/scenes")
+        self.scene_of = {digest: number for number, digest in self.sums.items()}
+        rows = csv_rows(guest.check("ninedot replay /media/scenes --config /tmp/scenes.toml --out /tmp/scenes.csv 2> /dev/null; cat /tmp/scenes.csv", 120))
+        self.rows = {int(row["frame"]): row for row in rows}
+        guest.check("cat /media/stills/*.raw > /tmp/scenes.raw")
+
+    def listing(self):
+        text = self.guest.check("ninedot cameras")
+        self.stage.ok("cameras", "/dev/video0" in text and "GREY" in text and "/dev/video1" not in text,
+                      "`ninedot cameras` lists the capture node and its formats")
+        self.guest.write("/tmp/check.toml", camera_config())
+        status, text = self.guest.run("ninedot check --config /tmp/check.toml")
+        self.stage.ok("check", status == 0, "`ninedot check` opens the camera" if status == 0 else text)
+
+    def pictures(self):
+        self.vivid.play("/tmp/scenes.raw")
+        said = record(self.guest, "/tmp/captured", RECORDED, "GREY")
+        captured = checksums(self.guest, "/tmp/captured")
+        scenes = [self.scene_of.get(digest) for _, digest in sorted(captured.items())]
+        foreign = scenes.count(None)
+        self.stage.ok("pictures", len(scenes) == RECORDED and foreign == 0,
+                      f"{len(scenes)} pictures captured, {len(set(scenes))} of {len(self.sums)} scenes, {foreign} not equal to what was played ({said})")
+        rows = csv_rows(self.guest.check("ninedot replay /tmp/captured --camera /media/scenes/camera.yaml --config /tmp/scenes.toml "
+                                         "--out /tmp/captured.csv 2> /dev/null; cat /tmp/captured.csv", 120))
+        by_number = dict(zip(sorted(captured), scenes))
+        wrong = [row["frame"] for row in rows if not same_pose(row, self.rows[by_number[int(row["frame"])]])]
+        expected = sum(scene in self.rows for scene in scenes)
+        self.stage.ok("replay-of-capture", not wrong and len(rows) == expected, f"{len(rows)} rows of the captured pictures, {len(wrong)} differ from those of the originals")
+
+    def formats(self):
+        table, good = [], True
+        for name in PIXEL_FORMATS:
+            self.vivid.stop()
+            self.vivid.set_up(name)
+            self.vivid.play(f"/media/formats/{name}.raw")
+            # The first pictures may be from before the player was on air.
+            record(self.guest, "/tmp/format", 20, name)
+            scenes = [self.scene_of.get(digest) for _, digest in sorted(checksums(self.guest, "/tmp/format").items())]
+            equal = scenes[10:] == [SCENE_OF_FORMATS] * 10
+            good &= equal
+            table.append((name, "equal, pixel for pixel" if equal else f"differ: {scenes}"))
+        self.stage.table("Pixel formats", ("format", "captured luma and the picture played"), table)
+        self.stage.ok("formats", good, f"{sum('equal' in result for _, result in table)} of {len(table)}: {' '.join(PIXEL_FORMATS)}")
+        self.vivid.stop()
+        self.vivid.set_up()
+
+    def stills(self, service):
+        """Each scene held until the service shows it: the registers must be those of its row."""
+        wrong, shown = [], 0
+        for number in sorted(self.sums):
+            self.vivid.play(f"/media/stills/{number:02}.raw")
+            registers = service.wait_for_frames(FRAMES_IN_FLIGHT)
+            row = self.rows.get(number)
+            if row is None:
+                if registers.valid or registers.reason != REASON_NO_LANDMARK:
+                    wrong.append(f"scene {number}: a pose without a landmark")
+            elif not registers.valid:
+                wrong.append(f"scene {number}: not valid, reason {registers.reason}")
+            else:
+                shown += 1
+                wrong += [f"scene {number}: {text}" for text in DifferenceFromRow(registers, row).differences]
+        self.stage.ok("stills", not wrong and shown == len(self.rows),
+                      "; ".join(wrong[:3]) or f"{len(self.sums)} scenes: {shown} poses equal the replay's bit for bit, {len(self.sums) - shown} without landmark give none")
+
+    def free_running(self, service):
+        self.vivid.play("/tmp/scenes.raw")
+        service.wait_for_frames(FRAMES_IN_FLIGHT)
+        reads, seen, wrong, ages = 0, set(), [], []
+        ends = time.monotonic() + FREE_RUNNING_S
+        while time.monotonic() < ends:
+            registers = service.read()
+            if not registers.valid:
+                continue
+            reads += 1
+            ages.append(registers.age_ms)
+            position = [registers.int32(16 + 2 * i) / 1000 for i in range(3)]
+            number = min(self.rows, key=lambda n: max(abs(position[i] - float(self.rows[n][f"{axis}_mm"])) for i, axis in enumerate("xyz")))
+            seen.add(number)
+            wrong += DifferenceFromRow(registers, self.rows[number]).differences[:1]
+        self.stage.ok("free-running", not wrong and len(seen) > len(self.rows) // 3,
+                      "; ".join(wrong[:3]) or f"{reads} reads in {FREE_RUNNING_S:.0f} s show {len(seen)} different poses, each equal to one of the replay's")
+        # A stamp on a wrong clock, or from the wrong end, would make the age negative (0 or saturated) or constant.
+        ages.sort()
+        self.stage.ok("stamps", bool(ages) and 0 < ages[0] and ages[len(ages) // 2] < 1000,
+                      f"age of the poses {ages[0]:.1f} to {ages[-1]:.1f} ms, median {ages[len(ages) // 2]:.1f}" if ages else "no poses")
+
+
+def run(stage):
+    with stage.guest() as guest:
+        test = CameraStage(stage, guest)
+        test.listing()
+        test.pictures()
+        test.formats()
+        test.vivid.play("/tmp/scenes.raw")
+        service = GuestService(guest, camera_config())
+        with service:
+            test.stills(service)
+            test.free_running(service)
+        stage.ok("ends", service.exit_status == "0", f"exit status {service.exit_status} on SIGINT")

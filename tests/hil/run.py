@@ -1,0 +1,106 @@
+#!/usr/bin/python3
+"""Tests against kernel drivers, in a guest under QEMU: `./dev hil [STAGE...]`.
+
+    run.py BIN_FOLDER OUT_FOLDER [STAGE...]
+
+Prints one line for each check, `ok STAGE.CHECK detail` or `not ok ...`, writes OUT_FOLDER/report.md, and exits with 1 if a check failed
+or never came to be made.
+"""
+
+import os
+import pathlib
+import platform
+import subprocess
+import sys
+import time
+import traceback
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+os.environ.setdefault("NINEDOT_SOURCE_DIR", os.fspath(SOURCE))
+os.environ.setdefault("NINEDOT_BIN_DIR", os.fspath(pathlib.Path(sys.argv[1]).resolve()) if len(sys.argv) > 1 else "")
+sys.path[:0] = [os.fspath(SOURCE / "tests" / "hil"), os.fspath(SOURCE / "tests" / "app")]
+
+import camera_stage
+from guest import Guest
+from media import make_media
+
+STAGES = {"camera": camera_stage}
+
+
+class Stage:
+    """One stage's lines and tables."""
+
+    def __init__(self, name, module, out):
+        self.name, self.module, self.out = name, module, out
+        self.lines, self.tables = [], []
+        self.seconds = 0.0
+
+    def guest(self, *extra):
+        return Guest(self.out, self.out / f"console-{self.name}.log", extra)
+
+    def ok(self, check, good, detail=""):
+        self.lines.append((check, bool(good), detail))
+        print(f"{'ok' if good else 'not ok'} {self.name}.{check}  {detail}", flush=True)
+
+    def table(self, title, header, rows):
+        self.tables.append((title, header, rows))
+
+    def run(self):
+        started = time.monotonic()
+        try:
+            self.module.run(self)
+        except Exception as failure:
+            # One stage's end must not hide what the others have to say.
+            traceback.print_exc()
+            self.ok("runs", False, str(failure).splitlines()[0] if str(failure) else type(failure).__name__)
+        for check in self.module.CHECKS:
+            if check not in (line[0] for line in self.lines):
+                self.ok(check, False, "was not reached")
+        self.seconds = time.monotonic() - started
+        print(f"   {self.name}: {self.seconds:.0f} s", flush=True)
+
+    failed = property(lambda self: [line for line in self.lines if not line[1]])
+
+
+def as_table(header, rows):
+    cells = [header, ["---"] * len(header), *rows]
+    return "".join("| " + " | ".join(str(cell).replace("|", "\\|").replace("\n", " ") for cell in row) + " |\n" for row in cells)
+
+
+def report(stages):
+    text = "# Tests against kernel drivers\n\n"
+    text += as_table(("stage", "checks", "failed", "seconds"),
+                     [(s.name, len(s.lines), len(s.failed), f"{s.seconds:.0f}") for s in stages])
+    text += f"\nGuest under QEMU's TCG on {platform.processor() or platform.machine()}, {os.cpu_count()} processors: judge function here, never speed.\n"
+    for stage in stages:
+        text += f"\n## {stage.name}\n\n"
+        text += as_table(("check", "", "seen"), [(check, "ok" if good else "FAILED", detail) for check, good, detail in stage.lines])
+        for title, header, rows in stage.tables:
+            text += f"\n### {title}\n\n" + as_table(header, rows)
+    return text
+
+
+def main(arguments):
+    if len(arguments) < 2:
+        sys.exit(__doc__)
+    bin_folder, out = (pathlib.Path(argument).resolve() for argument in arguments[:2])
+    names = arguments[2:] or list(STAGES)
+    unknown = [name for name in names if name not in STAGES]
+    if unknown:
+        sys.exit(f"hil: there is no stage {' '.join(unknown)}; there are {' '.join(STAGES)}")
+    out.mkdir(parents=True, exist_ok=True)
+    make_media(SOURCE / "tests" / "recordings", out / "media")
+    image = subprocess.run([SOURCE / "tests" / "hil" / "guest_image.sh", bin_folder, out / "media", out])
+    if image.returncode != 0:
+        return 2
+    stages = [Stage(name, STAGES[name], out) for name in names]
+    for stage in stages:
+        stage.run()
+    (out / "report.md").write_text(report(stages))
+    failed = sum(len(stage.failed) for stage in stages)
+    print(f"{sum(len(stage.lines) for stage in stages)} checks, {failed} failed; {out / 'report.md'}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
