@@ -105,9 +105,13 @@ void V4l2Device::open_node() {
   int current = 0;
   if (kernel_.ioctl(fd_, VIDIOC_G_INPUT, &current) >= 0) {
     input.index = static_cast<std::uint32_t>(current);
-    if (kernel_.ioctl(fd_, VIDIOC_ENUMINPUT, &input) >= 0 &&
-        (input.status & (V4L2_IN_ST_NO_POWER | V4L2_IN_ST_NO_SIGNAL)) != 0)
-      refuse("no signal at the camera's input: check cable and power", ENOLINK);
+    if (kernel_.ioctl(fd_, VIDIOC_ENUMINPUT, &input) >= 0) {
+      if ((input.status & (V4L2_IN_ST_NO_POWER | V4L2_IN_ST_NO_SIGNAL)) != 0)
+        refuse("no signal at the camera's input: check cable and power", ENOLINK);
+      // The driver would deliver noise, or the last picture over and over.
+      if ((input.status & (V4L2_IN_ST_NO_H_LOCK | V4L2_IN_ST_NO_SYNC)) != 0)
+        refuse("the signal at the camera's input can't be locked on to: check cable and video mode", ENOLINK);
+    }
   }
 }
 

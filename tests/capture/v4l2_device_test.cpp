@@ -219,6 +219,8 @@ TEST(V4l2Device, WhatStandsInTheWayIsSaidInOneLine) {
             std::string::npos);
   EXPECT_EQ(refusal([](Bench& b) { b.kernel.capabilities = V4L2_CAP_VIDEO_CAPTURE; }),
             "offers no memory-mapped buffers");
+  for (const std::uint32_t unlocked : {V4L2_IN_ST_NO_H_LOCK, V4L2_IN_ST_NO_SYNC})
+    EXPECT_NE(refusal([&](Bench& b) { b.kernel.input_status = unlocked; }).find("locked on to"), std::string::npos);
   EXPECT_NE(refusal([](Bench& b) { b.kernel.input_status = V4L2_IN_ST_NO_SIGNAL; }).find("no signal"),
             std::string::npos);
   EXPECT_EQ(refusal([](Bench& b) { b.kernel.given_buffers = 1; }), "the driver gives 1 buffers, at least 2 are needed");

@@ -21,10 +21,11 @@ os.environ.setdefault("NINEDOT_BIN_DIR", os.fspath(pathlib.Path(sys.argv[1]).res
 sys.path[:0] = [os.fspath(SOURCE / "tests" / "hil"), os.fspath(SOURCE / "tests" / "app")]
 
 import camera_stage
+import faults_stage
 from guest import Guest
 from media import make_media
 
-STAGES = {"camera": camera_stage}
+STAGES = {"camera": camera_stage, "faults": faults_stage}
 
 
 class Stage:

@@ -1,0 +1,247 @@
+"""Every fault that vivid can inject, unplugging, and a camera that is not there: the service lives on, says that it is not valid, and
+recovers by itself."""
+
+import threading
+import time
+
+from registers import REASON_CAMERA_LOST
+from service import GuestService, camera_config
+from vivid import CAPTURE, RATE_HZ, Vivid
+
+STILL = "/media/stills/10.raw"
+CAMERA = "/tmp/camera"  # a link as udev makes them: where it leads is plugged in
+STALL_FRAMES = 30
+UNBIND, BIND = "/sys/bus/platform/drivers/vivid/unbind", "/sys/bus/platform/drivers/vivid/bind"
+
+
+class Watch:
+    """What the registers showed from the fault on."""
+
+    def __init__(self, service):
+        self.service = service
+        self.started = time.monotonic()
+        self.before = self.last = service.read()
+        self.reasons = []        # in order of appearance, without repetition in a row; 0: valid
+        self.lost_at = None      # the first read that said camera lost
+        self.back_at = None      # the first one after the last of them
+        self.sums = []           # (when, frames accounted for), at each change
+        self.ages_ms = []        # while the camera was lost
+
+    def look(self):
+        registers = self.last = self.service.read()
+        now = time.monotonic()
+        if not self.reasons or self.reasons[-1] != registers.reason:
+            self.reasons.append(registers.reason)
+        total = registers.processed + registers.dropped + registers.failed
+        if not self.sums or self.sums[-1][1] != total:
+            self.sums.append((now, total))
+        if registers.reason != REASON_CAMERA_LOST:
+            self.back_at = self.back_at or now
+        else:
+            self.lost_at = self.lost_at or now
+            self.back_at = None
+            self.ages_ms.append(registers.age_ms)
+            if registers.valid:
+                raise AssertionError("a lost camera's pose is called valid")
+        time.sleep(0.01)
+        return registers
+
+    def until(self, condition, what, within_s=30.0):
+        """\\return  seconds"""
+        started = time.monotonic()
+        while not condition(self.look()):
+            if time.monotonic() - started > within_s:
+                raise AssertionError(f"not within {within_s:.0f} s: {what}; reasons seen {self.reasons}; log:\n{self.service.log()}")
+        return time.monotonic() - started
+
+    def during(self, command, guest, timeout_s=60):
+        """Runs a command in the guest and goes on looking."""
+        failure = []
+
+        def work():
+            try:
+                guest.check(command, timeout_s)
+            except Exception as error:
+                failure.append(error)
+        thread = threading.Thread(target=work)
+        thread.start()
+        while thread.is_alive():
+            self.look()
+        thread.join()
+        if failure:
+            raise failure[0]
+
+    def frames_per_s(self):
+        """Processed, dropped and failed together. The counters are published now and then: from edge to edge."""
+        (first_at, first), (last_at, last) = self.sums[1], self.sums[-1]
+        return (last - first) / (last_at - first_at)
+
+    def changed(self, name):
+        return getattr(self.last, name) - getattr(self.before, name)
+
+
+class FaultsStage:
+    def __init__(self, stage, guest):
+        self.stage, self.guest = stage, guest
+        self.vivid = Vivid(guest)
+        self.rows = []
+        guest.check(f"ln -sfn {CAPTURE} {CAMERA}")
+        self.vivid.play(STILL)
+
+    def set(self, name, value=1):
+        return f"v4l2-ctl -d {CAPTURE} -c {name}={value}"
+
+    def settle(self, service):
+        """A quiet camera before each fault: valid, for several frames on end."""
+        count = 0
+        def quiet(registers):
+            nonlocal count
+            count = count + 1 if registers.valid else 0
+            return count >= 5
+        service.wait_for(quiet, "a valid pose before the next fault")
+
+    def note(self, check, title, good, seen, watch, recovered_s=None):
+        expected_alive = watch.last.uptime_s >= watch.before.uptime_s
+        self.stage.ok(check, good and expected_alive, f"{title}: {seen}" + (f", frames again after {recovered_s:.1f} s" if recovered_s is not None else ""))
+        self.rows.append((title, seen, f"{recovered_s:.1f} s" if recovered_s is not None else "was never lost",
+                          f"{watch.changed('restarts'):+d}", f"{watch.changed('failed'):+d}", f"{watch.changed('dropped'):+d}"))
+
+    def lost_and_back(self, service, check, title, start, end=None, hold_s=1.0, player=True):
+        """A fault that takes the camera away: until `end`, or only until it is opened again. vivid hands an injected error to
+        whichever of its two nodes comes first: without a player that is the camera."""
+        self.settle(service)
+        if not player:
+            self.vivid.stop()
+        watch = Watch(service)
+        watch.during(start, self.guest)
+        if watch.lost_at is None:
+            watch.until(lambda registers: registers.reason == REASON_CAMERA_LOST, f"{title}: camera lost")
+        lost_after = watch.lost_at - watch.started
+        stays_lost, over_at = True, watch.lost_at
+        if end:
+            until = time.monotonic() + hold_s
+            watch.until(lambda _: time.monotonic() > until, "")
+            stays_lost = watch.last.reason == REASON_CAMERA_LOST and not watch.last.valid
+            watch.during(end, self.guest)
+            over_at = time.monotonic()
+        watch.until(lambda registers: registers.reason != REASON_CAMERA_LOST, f"{title}: frames again")
+        back_s = max(0.0, watch.back_at - over_at)
+        if not player:
+            self.vivid.play(STILL)
+        watch.until(lambda registers: registers.valid, f"{title}: valid again")
+        ages_grow = watch.ages_ms == sorted(watch.ages_ms)
+        self.note(check, title, stays_lost and ages_grow and watch.changed("restarts") == 1, f"camera lost (4) after {lost_after:.2f} s"
+                  + ("" if ages_grow else ", the age went back") + ("" if stays_lost else ", not for as long as the fault lasted"), watch, back_s)
+
+    def stays_valid(self, service, check, title, start, end, seconds=3.0, restart=False):
+        """A disturbance that must cost nothing but frames."""
+        self.settle(service)
+        if restart:  # it takes effect when a stream starts
+            watch = Watch(service)
+            watch.during(start + "; " + self.set("inject_fatal_streaming_error"), self.guest)
+            watch.until(lambda registers: registers.restarts > watch.before.restarts and registers.valid, f"{title}: the stream started anew")
+            start = "true"
+        watch = Watch(service)
+        watch.during(start, self.guest)
+        ages = []
+        until = time.monotonic() + seconds
+        while time.monotonic() < until:
+            ages.append(watch.look().age_ms)
+        per_s = watch.frames_per_s()
+        watch.during(end, self.guest)
+        good = watch.lost_at is None and watch.changed("restarts") == 0 and abs(per_s - RATE_HZ) < 0.1 * RATE_HZ and max(ages) < 2000
+        self.note(check, title, good, f"processed, dropped and failed together {per_s:.1f} per second of {RATE_HZ}; age at most {max(ages):.0f} ms", watch)
+
+    def flagged(self, service):
+        self.settle(service)
+        self.vivid.stop()
+        watch = Watch(service)
+        count = 5
+        for _ in range(count):
+            watch.during(self.set("inject_v4l2_buf_flag_error") + "; sleep 0.1", self.guest)
+        until = time.monotonic() + 1.5
+        watch.until(lambda _: time.monotonic() > until, "")
+        self.vivid.play(STILL)
+        self.note("flagged", f"`inject_v4l2_buf_flag_error`, {count} times", watch.changed("failed") == count and watch.lost_at is None,
+                  f"{watch.changed('failed')} frames counted as failed", watch)
+
+    def refused_calls(self, service):
+        fatal = self.set("inject_fatal_streaming_error")
+        for call in ("reqbufs", "qbuf", "streamon"):
+            control = f"inject_vidioc_{call}_error"
+            self.lost_and_back(service, call, f"`{control}` while it is opened again", f"{self.set(control)}; {fatal}", player=False)
+
+    def lost_buffers(self, service):
+        """A buffer that the driver refuses to take back is out of the game; when none is left, the stall gets them all back."""
+        again = " ".join(["1"] * 5)
+        self.lost_and_back(service, "starved", "`inject_vidioc_qbuf_error` until no buffer is left",
+                           f"for i in {again}; do {self.set('inject_vidioc_qbuf_error')}; sleep 0.2; done", player=False)
+
+    def busy(self, service):
+        """The camera is away for a moment, and somebody else is faster to take it."""
+        self.lost_and_back(service, "busy", "another program takes the camera, for 2 s",
+                           f"""rm {CAMERA}; {self.set("inject_fatal_streaming_error")}; sleep 0.3
+                           v4l2-ctl -d {CAPTURE} --stream-mmap 3 --stream-count 100000 > /tmp/thief.log 2>&1 & echo $! > /tmp/thief.pid
+                           for _ in $(seq 200); do grep -q "<" /tmp/thief.log && break; sleep 0.05; done
+                           ln -sfn {CAPTURE} {CAMERA}""",
+                           "kill $(cat /tmp/thief.pid)", hold_s=2)
+
+    def unplugged(self, service):
+        self.settle(service)
+        plug_in = f"echo vivid.0 > {BIND}; sleep 0.5"
+        watch = Watch(service)
+        watch.during(f"rm {CAMERA}; echo vivid.0 > {UNBIND}", self.guest)
+        watch.until(lambda registers: registers.reason == REASON_CAMERA_LOST, "unbind: camera lost")
+        lost_after = watch.lost_at - watch.started
+        until = time.monotonic() + 3
+        watch.until(lambda _: time.monotonic() > until, "")
+        stays_lost = watch.last.reason == REASON_CAMERA_LOST
+        gone = self.guest.run(f"test -e {CAPTURE}")[0] != 0
+        self.guest.check(plug_in)
+        self.vivid.stop()
+        self.vivid.set_up()
+        self.vivid.play(STILL)
+        plugged = time.monotonic()
+        watch.during(f"ln -sfn {CAPTURE} {CAMERA}", self.guest)
+        watch.until(lambda registers: registers.valid, "bind: valid again")
+        self.note("unplugged", "driver unbound, bound again after 3 s and more", gone and stays_lost and watch.changed("restarts") >= 1,
+                  f"camera lost (4) after {lost_after:.2f} s", watch, watch.back_at - plugged)
+
+    def run(self):
+        config = camera_config(stall_frames=STALL_FRAMES).replace('"/dev/video0"', f'"{CAMERA}"')
+        service = GuestService(self.guest, config)
+        with service:
+            self.lost_and_back(service, "fatal", "`inject_fatal_streaming_error`", self.set("inject_fatal_streaming_error"))
+            self.flagged(service)
+            self.lost_and_back(service, "disconnect", "`disconnect`", self.set("disconnect"))
+            self.lost_and_back(service, "no-signal", "`dv_timings_signal_mode=1` (no signal)", self.set("dv_timings_signal_mode", 1),
+                               self.set("dv_timings_signal_mode", 0), hold_s=2)
+            self.lost_and_back(service, "no-lock", "`dv_timings_signal_mode=2` (no lock)", self.set("dv_timings_signal_mode", 2),
+                               self.set("dv_timings_signal_mode", 0), hold_s=2)
+            self.lost_and_back(service, "out-of-range", "`dv_timings_signal_mode=3` (signal out of range)", self.set("dv_timings_signal_mode", 3),
+                               self.set("dv_timings_signal_mode", 0), hold_s=2)
+            self.lost_and_back(service, "silent", "`percentage_of_dropped_buffers=100` (silent stall)", self.set("percentage_of_dropped_buffers", 100),
+                               self.set("percentage_of_dropped_buffers", 0), hold_s=2)
+            self.stays_valid(service, "dropped", "`percentage_of_dropped_buffers=50`", self.set("percentage_of_dropped_buffers", 50),
+                             self.set("percentage_of_dropped_buffers", 0))
+            self.refused_calls(service)
+            self.lost_buffers(service)
+            self.busy(service)
+            self.stays_valid(service, "sequence-wrap", "`wrap_sequence_number`: from 2^32 - 1 to 0", self.set("wrap_sequence_number", 1),
+                             self.set("wrap_sequence_number", 0), seconds=5, restart=True)
+            for bits, choice in ((32, 2), (64, 1)):  # the driver wraps 16 s after the stream's start
+                self.stays_valid(service, f"timestamp-wrap-{bits}", f"`wrap_timestamp={choice}` ({bits} bit)", self.set("wrap_timestamp", choice),
+                                 self.set("wrap_timestamp", 0), seconds=18, restart=True)
+            self.unplugged(service)
+        (self.stage.out / "ninedotd-faults.log").write_text(service.log())
+        self.stage.ok("ends", service.exit_status == "0", f"exit status {service.exit_status} on SIGINT, after all of these")
+        self.stage.table("Faults", ("fault", "seen", "frames again", "restarts", "failed", "dropped"), self.rows)
+
+
+CHECKS = ("fatal", "flagged", "disconnect", "no-signal", "no-lock", "out-of-range", "silent", "dropped", "reqbufs", "qbuf", "streamon", "starved", "busy",
+          "sequence-wrap", "timestamp-wrap-32", "timestamp-wrap-64", "unplugged", "ends")
+
+
+def run(stage):
+    with stage.guest() as guest:
+        FaultsStage(stage, guest).run()
