@@ -207,39 +207,47 @@ class FaultsStage:
         self.note("unplugged", "driver unbound, bound again after 3 s and more", gone and stays_lost and watch.changed("restarts") >= 1,
                   f"camera lost (4) after {lost_after:.2f} s", watch, watch.back_at - plugged)
 
+    def signals(self, service):
+        for choice, check, title in ((2, "no-lock", "no lock"), (3, "out-of-range", "signal out of range")):
+            self.lost_and_back(service, check, f"`dv_timings_signal_mode={choice}` ({title})", self.set("dv_timings_signal_mode", choice),
+                               self.set("dv_timings_signal_mode", 0), hold_s=2)
+
+    def drops(self, service):
+        dropped = "percentage_of_dropped_buffers"
+        self.lost_and_back(service, "silent", f"`{dropped}=100` (silent stall)", self.set(dropped, 100), self.set(dropped, 0), hold_s=2)
+        self.stays_valid(service, "dropped", f"`{dropped}=50`", self.set(dropped, 50), self.set(dropped, 0))
+
+    def wraps(self, service):
+        self.stays_valid(service, "sequence-wrap", "`wrap_sequence_number`: from 2^32 - 1 to 0", self.set("wrap_sequence_number", 1),
+                         self.set("wrap_sequence_number", 0), seconds=5, restart=True)
+        for bits, choice in ((32, 2), (64, 1)):  # the driver wraps 16 s after the stream's start
+            self.stays_valid(service, f"timestamp-wrap-{bits}", f"`wrap_timestamp={choice}` ({bits} bit)", self.set("wrap_timestamp", choice),
+                             self.set("wrap_timestamp", 0), seconds=18, restart=True)
+
+    def shortest(self, service):
+        self.lost_and_back(service, "fatal", "`inject_fatal_streaming_error`", self.set("inject_fatal_streaming_error"))
+        self.flagged(service)
+        self.lost_and_back(service, "disconnect", "`disconnect`", self.set("disconnect"))
+        self.lost_and_back(service, "no-signal", "`dv_timings_signal_mode=1` (no signal)", self.set("dv_timings_signal_mode", 1),
+                           self.set("dv_timings_signal_mode", 0), hold_s=2)
+        self.unplugged(service)
+
     def run(self):
-        config = camera_config(stall_frames=STALL_FRAMES).replace('"/dev/video0"', f'"{CAMERA}"')
+        config = camera_config(stall_frames=STALL_FRAMES).replace(f'"{CAPTURE}"', f'"{CAMERA}"')
         service = GuestService(self.guest, config)
         with service:
-            self.lost_and_back(service, "fatal", "`inject_fatal_streaming_error`", self.set("inject_fatal_streaming_error"))
-            self.flagged(service)
-            self.lost_and_back(service, "disconnect", "`disconnect`", self.set("disconnect"))
-            self.lost_and_back(service, "no-signal", "`dv_timings_signal_mode=1` (no signal)", self.set("dv_timings_signal_mode", 1),
-                               self.set("dv_timings_signal_mode", 0), hold_s=2)
-            self.lost_and_back(service, "no-lock", "`dv_timings_signal_mode=2` (no lock)", self.set("dv_timings_signal_mode", 2),
-                               self.set("dv_timings_signal_mode", 0), hold_s=2)
-            self.lost_and_back(service, "out-of-range", "`dv_timings_signal_mode=3` (signal out of range)", self.set("dv_timings_signal_mode", 3),
-                               self.set("dv_timings_signal_mode", 0), hold_s=2)
-            self.lost_and_back(service, "silent", "`percentage_of_dropped_buffers=100` (silent stall)", self.set("percentage_of_dropped_buffers", 100),
-                               self.set("percentage_of_dropped_buffers", 0), hold_s=2)
-            self.stays_valid(service, "dropped", "`percentage_of_dropped_buffers=50`", self.set("percentage_of_dropped_buffers", 50),
-                             self.set("percentage_of_dropped_buffers", 0))
-            self.refused_calls(service)
-            self.lost_buffers(service)
-            self.busy(service)
-            self.stays_valid(service, "sequence-wrap", "`wrap_sequence_number`: from 2^32 - 1 to 0", self.set("wrap_sequence_number", 1),
-                             self.set("wrap_sequence_number", 0), seconds=5, restart=True)
-            for bits, choice in ((32, 2), (64, 1)):  # the driver wraps 16 s after the stream's start
-                self.stays_valid(service, f"timestamp-wrap-{bits}", f"`wrap_timestamp={choice}` ({bits} bit)", self.set("wrap_timestamp", choice),
-                                 self.set("wrap_timestamp", 0), seconds=18, restart=True)
-            self.unplugged(service)
-        (self.stage.out / "ninedotd-faults.log").write_text(service.log())
+            self.shortest(service)
+            if not self.stage.smoke:
+                for group in (self.signals, self.drops, self.refused_calls, self.lost_buffers, self.busy, self.wraps):
+                    group(service)
+            (self.stage.out / "ninedotd-faults.log").write_text(service.log() + "\n")
         self.stage.ok("ends", service.exit_status == "0", f"exit status {service.exit_status} on SIGINT, after all of these")
         self.stage.table("Faults", ("fault", "seen", "frames again", "restarts", "failed", "dropped"), self.rows)
 
 
-CHECKS = ("fatal", "flagged", "disconnect", "no-signal", "no-lock", "out-of-range", "silent", "dropped", "reqbufs", "qbuf", "streamon", "starved", "busy",
-          "sequence-wrap", "timestamp-wrap-32", "timestamp-wrap-64", "unplugged", "ends")
+SMOKE_CHECKS = ("fatal", "flagged", "disconnect", "no-signal", "unplugged", "ends")
+CHECKS = SMOKE_CHECKS + ("no-lock", "out-of-range", "silent", "dropped", "reqbufs", "qbuf", "streamon", "starved", "busy",
+                         "sequence-wrap", "timestamp-wrap-32", "timestamp-wrap-64")
 
 
 def run(stage):

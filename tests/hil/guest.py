@@ -3,6 +3,7 @@
 Everything that the tests do to devices happens in there: the host's own /dev, /sys and /proc are never touched.
 """
 
+import json
 import os
 import pathlib
 import shlex
@@ -65,6 +66,7 @@ class Guest:
             "-serial", f"file:{self.log}",
             "-chardev", f"socket,id=shell,path={shell},server=on,wait=off",
             "-device", "virtio-serial-pci", "-device", "virtconsole,chardev=shell",
+            "-qmp", f"unix:{self.folder / 'qmp'},server=on,wait=off",
             "-netdev", f"user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:{self.modbus_port}-:{self.MODBUS_PORT}",
             "-device", "virtio-net-pci,netdev=net,romfile=",
         ] + [argument.format(folder=self.folder) for argument in self.extra]
@@ -114,6 +116,23 @@ class Guest:
         if status != 0:
             raise GuestFailed(f"status {status}: {command}\n{output}")
         return output
+
+    def qmp(self, command, **arguments):
+        """One command of QEMU's machine protocol."""
+        with socket.socket(socket.AF_UNIX) as monitor:
+            monitor.settimeout(10)
+            monitor.connect(os.fspath(self.folder / "qmp"))
+            lines = monitor.makefile("rw")
+            lines.readline()
+            for request in ({"execute": "qmp_capabilities"}, {"execute": command, "arguments": arguments}):
+                lines.write(json.dumps(request) + "\n")
+                lines.flush()
+                while True:
+                    reply = json.loads(lines.readline())
+                    if "return" in reply:
+                        break
+                    if "error" in reply:
+                        raise GuestFailed(f"QEMU refuses {command}: {reply['error']['desc']}")
 
     def write(self, path, text):
         self.check(f"mkdir -p {shlex.quote(os.path.dirname(path))}; cat > {shlex.quote(path)} << '--eof--'\n{text}\n--eof--")
