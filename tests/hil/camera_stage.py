@@ -1,12 +1,10 @@
 """Recorded frames into vivid's output node, out of its capture node, through ninedotd: the poses are those of the replay."""
 
-import csv
-import io
 import time
 
 from media import PIXEL_FORMATS, SCENE_OF_FORMATS
 from registers import REASON_NO_LANDMARK, DifferenceFromRow
-from service import GuestService, camera_config
+from service import GuestService, camera_config, checksums, nearest_row, replay
 from vivid import Vivid
 
 CHECKS = SMOKE_CHECKS = ("cameras", "check", "pictures", "formats", "replay-of-capture", "stills", "free-running", "stamps", "ends")
@@ -19,18 +17,8 @@ SMOKE_STEP = 5  # of the stills
 ROW_OF_ITS_OWN = ("frame", "timestamp_ns", "process_us")
 
 
-def csv_rows(text):
-    return list(csv.DictReader(io.StringIO(text)))
-
-
 def same_pose(row, other):
     return all(row[name] == other[name] for name in row if name not in ROW_OF_ITS_OWN)
-
-
-def checksums(guest, folder):
-    """Number of a frame -> checksum of its picture file. Both files are from the same encoder, so equal files are equal pictures."""
-    lines = guest.check(f"cd {folder}/frames && md5sum *.png", 60).splitlines()
-    return {int(name.split(".")[0]): digest for digest, name in (line.split() for line in lines)}
 
 
 def record(guest, out, frames, pixel_format):
@@ -43,12 +31,11 @@ class CameraStage:
         self.stage, self.guest = stage, guest
         self.vivid = Vivid(guest)
         # All of the scenes once more through our own encoder, to compare with what is captured.
-        guest.write("/tmp/scenes.toml", '[camera]\nsource = "recording"\ndevice = "/media/scenes"\nloop = false\n[pose]\ntracking = false')
+        guest.write("/tmp/scenes.toml", '[camera]\nsource = "recording"\ndevice = "/media/scenes"\nloop = false')
         guest.check("ninedot record --config /tmp/scenes.toml --out /tmp/scenes", 120)
         self.sums = checksums(guest, "/tmp/scenes")
         self.scene_of = {digest: number for number, digest in self.sums.items()}
-        rows = csv_rows(guest.check("ninedot replay /media/scenes --config /tmp/scenes.toml --out /tmp/scenes.csv > /tmp/replay.log 2>&1 && cat /tmp/scenes.csv", 120))
-        self.rows = {int(row["frame"]): row for row in rows}
+        self.rows = {int(row["frame"]): row for row in replay(guest, "/media/scenes")}
         guest.check("cat /media/stills/*.raw > /tmp/scenes.raw")
 
     def listing(self):
@@ -67,8 +54,7 @@ class CameraStage:
         foreign = scenes.count(None)
         self.stage.ok("pictures", len(scenes) == RECORDED and foreign == 0,
                       f"{len(scenes)} pictures captured, {len(set(scenes))} of {len(self.sums)} scenes, {foreign} not equal to what was played ({said})")
-        rows = csv_rows(self.guest.check("ninedot replay /tmp/captured --camera /media/scenes/camera.yaml --config /tmp/scenes.toml "
-                                         "--out /tmp/captured.csv > /tmp/replay.log 2>&1 && cat /tmp/captured.csv", 120))
+        rows = replay(self.guest, "/tmp/captured", "--camera /media/scenes/camera.yaml")
         by_number = dict(zip(sorted(captured), scenes))
         wrong = [row["frame"] for row in rows if not same_pose(row, self.rows[by_number[int(row["frame"])]])]
         expected = sum(scene in self.rows for scene in scenes)
@@ -122,10 +108,9 @@ class CameraStage:
                 continue
             reads += 1
             ages.append(registers.age_ms)
-            position = [registers.int32(16 + 2 * i) / 1000 for i in range(3)]
-            number = min(self.rows, key=lambda n: max(abs(position[i] - float(self.rows[n][f"{axis}_mm"])) for i, axis in enumerate("xyz")))
-            seen.add(number)
-            wrong += DifferenceFromRow(registers, self.rows[number]).differences[:1]
+            row = nearest_row(self.rows.values(), registers)
+            seen.add(row["frame"])
+            wrong += DifferenceFromRow(registers, row).differences[:1]
         self.stage.ok("free-running", not wrong and len(seen) > len(self.rows) // 3,
                       "; ".join(wrong[:3]) or f"{reads} reads in {FREE_RUNNING_S:.0f} s show {len(seen)} different poses, each equal to one of the replay's")
         # A stamp on a wrong clock, or from the wrong end, would make the age negative (0 or saturated) or constant.

@@ -21,7 +21,7 @@ cache=${NINEDOT_CACHE:-/var/tmp/ninedot-cache}/hil
 mkdir -p "$cache"
 PATH=$PATH:/usr/sbin:/sbin
 
-# What the stages load by name; what these depend on comes along.
+# What the stages load by name; what these depend on comes along. What a kernel has built in is no module.
 modules=(vivid virtio_pci virtio_console virtio_net xhci_pci usbserial ftdi_sio i2c-stub i2c-dev configfs)
 
 kernel_package() {

@@ -2,6 +2,7 @@
 
 import pathlib
 import shutil
+import subprocess
 
 from png_grey import read_png_grey
 
@@ -35,6 +36,12 @@ PIXEL_FORMATS = {
     "Y16": lambda luma: widened(luma, 8),
 }
 SCENE_OF_FORMATS = 3
+JPEG_QUALITY = 95
+
+
+def as_jpeg(width, height, luma):
+    return subprocess.run(["cjpeg", "-grayscale", "-quality", str(JPEG_QUALITY)], input=f"P5 {width} {height} 255\n".encode() + luma,
+                          capture_output=True, check=True).stdout
 
 
 def source_pictures(recordings):
@@ -43,24 +50,29 @@ def source_pictures(recordings):
 
 def make_media(recordings, folder):
     """FOLDER/scenes: a recording, numbered from 0; FOLDER/stills/NN.raw: its pictures; FOLDER/formats/F.raw: one of them in each
-    format. Made once; a newer source makes it anew."""
+    format; FOLDER/jpeg/N.jpg: all of them as JPEG, and FOLDER/jpegs: these as a recording. Made once; a newer source makes it anew."""
     pictures = source_pictures(recordings)
     stamp = folder / "complete"
     sources = [picture for _, picture in pictures] + [pathlib.Path(__file__)]
     if stamp.exists() and stamp.stat().st_mtime > max(source.stat().st_mtime for source in sources):
         return
     shutil.rmtree(folder, ignore_errors=True)
-    for name in ("scenes/frames", "stills", "formats"):
+    for name in ("scenes/frames", "stills", "formats", "jpeg", "jpegs/frames"):
         (folder / name).mkdir(parents=True)
-    shutil.copyfile(recordings / RECORDINGS[0] / "camera.yaml", folder / "scenes" / "camera.yaml")
+    for name in ("scenes", "jpegs"):
+        shutil.copyfile(recordings / RECORDINGS[0] / "camera.yaml", folder / name / "camera.yaml")
     rows = ["frame,timestamp_ns,pan_deg,tilt_deg\n"]
     for number, (_, picture) in enumerate(pictures):
         shutil.copyfile(picture, folder / "scenes" / "frames" / f"{number:06}.png")
         rows.append(f"{number},{number * FRAME_PERIOD_NS},0,0\n")
-        luma = read_png_grey(picture)[2]
+        width, height, luma = read_png_grey(picture)
+        jpeg = as_jpeg(width, height, luma)
+        (folder / "jpeg" / f"{number}.jpg").write_bytes(jpeg)
+        (folder / "jpegs" / "frames" / f"{number:06}.jpg").write_bytes(jpeg)
         (folder / "stills" / f"{number:02}.raw").write_bytes(luma)
         if number == SCENE_OF_FORMATS:
             for name, written in PIXEL_FORMATS.items():
                 (folder / "formats" / f"{name}.raw").write_bytes(written(luma))
-    (folder / "scenes" / "frames.csv").write_text("".join(rows))
+    for name in ("scenes", "jpegs"):
+        (folder / name / "frames.csv").write_text("".join(rows))
     stamp.touch()

@@ -1,9 +1,7 @@
 """Modbus RTU over emulated serial ports, one of them a USB adapter that is pulled, and TCP over the emulated network; the masters are
 pymodbus and mbpoll on the host."""
 
-import csv
 import inspect
-import io
 import logging
 import re
 import select
@@ -13,7 +11,7 @@ import time
 
 from cable import Cable
 from registers import DifferenceFromRow, Registers
-from service import GuestService
+from service import GuestService, nearest_row, replay
 from service_harness import Client
 
 CHECKS = SMOKE_CHECKS = ("rtu-pymodbus", "rtu-input-registers", "rtu-mbpoll", "rtu-write", "rtu-refusal", "rtu-other-unit", "rtu-noise", "rtu-torn",
@@ -60,9 +58,7 @@ class SerialStage:
     def __init__(self, stage, guest):
         self.stage, self.guest = stage, guest
         guest.check("modprobe ftdi_sio; modprobe xhci_pci")
-        guest.write("/tmp/scenes.toml", "[pose]\ntracking = false")
-        text = guest.check("ninedot replay /media/scenes --config /tmp/scenes.toml --out /tmp/scenes.csv > /tmp/replay.log 2>&1 && cat /tmp/scenes.csv", 120)
-        self.rows = list(csv.DictReader(io.StringIO(text)))
+        self.rows = replay(guest, "/media/scenes")
         self.port = self.find_port()
 
     def find_port(self):
@@ -77,9 +73,7 @@ class SerialStage:
         registers = Registers(words)
         if not registers.valid:
             return []
-        position = [registers.int32(16 + 2 * i) / 1000 for i in range(3)]
-        row = min(self.rows, key=lambda r: max(abs(position[i] - float(r[f"{axis}_mm"])) for i, axis in enumerate("xyz")))
-        return DifferenceFromRow(registers, row).differences
+        return DifferenceFromRow(registers, nearest_row(self.rows, registers)).differences
 
     def poll(self, client, seconds, holding=True):
         """\\return  (reads, failures, differences, longest answer in seconds)"""

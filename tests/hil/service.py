@@ -1,11 +1,35 @@
 """ninedotd in the guest, read from the host through the emulated network."""
 
+import csv
+import io
 import time
 
 from registers import Registers
 from service_harness import Client
 
 PATIENCE_S = 60.0
+
+
+def csv_rows(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def replay(guest, recording, *options):
+    """Rows of `ninedot replay`, every frame by itself."""
+    guest.write("/tmp/replay.toml", "[pose]\ntracking = false")
+    command = " ".join(("ninedot replay", recording, "--config /tmp/replay.toml --out /tmp/replay.csv", *options))
+    return csv_rows(guest.check(f"{command} > /tmp/replay.log 2>&1 || {{ cat /tmp/replay.log; exit 1; }}; cat /tmp/replay.csv", 180))
+
+
+def nearest_row(rows, registers):
+    position = [registers.int32(16 + 2 * i) / 1000 for i in range(3)]
+    return min(rows, key=lambda row: max(abs(position[i] - float(row[f"{axis}_mm"])) for i, axis in enumerate("xyz")))
+
+
+def checksums(guest, folder):
+    """Number of a frame -> checksum of its picture file. Files that `ninedot record` wrote are equal where their pictures are."""
+    lines = guest.check(f"cd {folder}/frames && md5sum *.png", 60).splitlines()
+    return {int(name.split(".")[0]): digest for digest, name in (line.split() for line in lines)}
 
 
 def camera_config(*, pixel_format="GREY", tracking=False, stall_frames=60, rate_hz=59.94, extra=""):
