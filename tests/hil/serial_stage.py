@@ -114,12 +114,12 @@ class SerialStage:
         self.stage.ok("rtu-refusal", refused.isError() and getattr(refused, "exception_code", 0) == 2 and getattr(beyond, "exception_code", 0) == 2,
                       "exception 02 for a register that can't be written, and for one beyond the map")
 
-    def other_units(self, device, client):
-        with Master(device, unit=UNIT + 1, timeout_s=0.5) as other:
-            try:
-                answered = not other.client.read_holding_registers(0, count=2, **other.unit).isError()
-            except Exception:
-                answered = False
+    def other_units(self, client):
+        (keyword, unit), = client.unit.items()
+        try:
+            answered = not client.client.read_holding_registers(0, count=2, **{keyword: unit + 1}).isError()
+        except Exception:
+            answered = False
         client.read(0, 2)
         self.stage.ok("rtu-other-unit", not answered, "a request for another unit stays without an answer, the next one for ours is answered")
 
@@ -159,7 +159,7 @@ class SerialStage:
                     self.polled("rtu-pymodbus", client)
                     self.polled("rtu-input-registers", client, 2, holding=False)
                     self.writes(client)
-                    self.other_units(cable.device, client)
+                    self.other_units(client)
                     self.noise(cable, client)
                 self.mbpoll("rtu-mbpoll", "-m", "rtu", "-a", str(UNIT), "-b", "115200", "-P", "none", cable.device)
                 with Master(cable.device) as client:
