@@ -12,6 +12,7 @@ import socket
 import subprocess
 import tempfile
 import time
+import urllib.request
 
 BOOT_WITHIN_S = 120.0  # 6 s on an idle machine; the machine may be busy
 
@@ -29,13 +30,13 @@ def free_port():
 class Guest:
     """Context manager. `extra` are further arguments of QEMU; {folder} in them becomes a private folder for sockets."""
 
-    MODBUS_PORT = 1502
+    MODBUS_PORT, FILES_PORT = 1502, 8080
 
     def __init__(self, image, log, extra=()):
         self.image = pathlib.Path(image)
         self.log = pathlib.Path(log)
         self.extra = list(extra)
-        self.modbus_port = free_port()
+        self.modbus_port, self.files_port = free_port(), free_port()
         self.process = None
         self.channel = None
         self.serial_number = 0
@@ -67,7 +68,8 @@ class Guest:
             "-chardev", f"socket,id=shell,path={shell},server=on,wait=off",
             "-device", "virtio-serial-pci", "-device", "virtconsole,chardev=shell",
             "-qmp", f"unix:{self.folder / 'qmp'},server=on,wait=off",
-            "-netdev", f"user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:{self.modbus_port}-:{self.MODBUS_PORT}",
+            "-netdev", f"user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:{self.modbus_port}-:{self.MODBUS_PORT}"
+                       f",hostfwd=tcp:127.0.0.1:{self.files_port}-:{self.FILES_PORT}",
             "-device", "virtio-net-pci,netdev=net,romfile=",
         ] + [argument.format(folder=self.folder) for argument in self.extra]
         self.log.write_text("")
@@ -116,6 +118,11 @@ class Guest:
         if status != 0:
             raise GuestFailed(f"status {status}: {command}\n{output}")
         return output
+
+    def fetch(self, path):
+        """A file of the guest's, of any size: the console is for texts of some kilobytes."""
+        with urllib.request.urlopen(f"http://127.0.0.1:{self.files_port}{path}", timeout=30) as reply:
+            return reply.read()
 
     def qmp(self, command, **arguments):
         """One command of QEMU's machine protocol."""

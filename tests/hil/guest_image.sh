@@ -22,7 +22,7 @@ mkdir -p "$cache"
 PATH=$PATH:/usr/sbin:/sbin
 
 # What the stages load by name; what these depend on comes along. What a kernel has built in is no module.
-modules=(vivid virtio_pci virtio_console virtio_net xhci_pci usbserial ftdi_sio i2c-stub i2c-dev configfs)
+modules=(vivid virtio_pci virtio_console virtio_net xhci_pci usbserial ftdi_sio i2c-stub i2c-dev configfs gpio-sim pwm-pca9685)
 
 kernel_package() {
   apt-cache depends --important linux-image-amd64 2> /dev/null | sed -n 's/^ *Depends: \(linux-image-[0-9].*\)/\1/p' | head -n 1
@@ -82,6 +82,7 @@ copy_programs() {
 }
 
 fetch_kernel
+"$source_dir/tests/hil/kernel_modules.sh" "$kernel" "$out/modules.log"
 root=$(mktemp -d "$out/root.XXXXXX")
 trap 'rm -rf "$root"' EXIT
 mkdir -p "$root"/{bin,dev,etc,proc,sys,tmp,run}

@@ -12,6 +12,7 @@ mount -t debugfs debugfs /sys/kernel/debug
 ip link set lo up
 for module in virtio_pci virtio_console virtio_net; do modprobe $module || echo "init: no $module"; done
 ip addr add 10.0.2.15/24 dev eth0 && ip link set eth0 up && ip route add default via 10.0.2.2
+httpd -p 8080 -h /
 for _ in 1 2 3 4 5 6 7 8 9 10; do [ -e /dev/hvc0 ] && break; sleep 0.2; done
 # A shell whose output is a terminal would prompt and echo; what the host wants to see is written to descriptor 3.
 exec 3<> /dev/hvc0

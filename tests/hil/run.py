@@ -24,10 +24,11 @@ import camera_stage
 import faults_stage
 import libcamera_stage
 import serial_stage
+import servo_stage
 from guest import Guest
 from media import make_media
 
-STAGES = {"camera": camera_stage, "faults": faults_stage, "serial": serial_stage, "libcamera": libcamera_stage}
+STAGES = {"camera": camera_stage, "faults": faults_stage, "serial": serial_stage, "servo": servo_stage, "libcamera": libcamera_stage}
 SMOKE_STAGES = ("camera", "faults")
 
 
