@@ -7,7 +7,17 @@ from registers import REASON_NO_LANDMARK, DifferenceFromRow
 from service import GuestService, camera_config, checksums, nearest_row, replay
 from vivid import Vivid
 
-CHECKS = SMOKE_CHECKS = ("cameras", "check", "pictures", "formats", "replay-of-capture", "stills", "free-running", "stamps", "ends")
+CHECKS = SMOKE_CHECKS = (
+    "cameras",
+    "check",
+    "pictures",
+    "formats",
+    "replay-of-capture",
+    "stills",
+    "free-running",
+    "stamps",
+    "ends",
+)
 
 FRAMES_IN_FLIGHT = 8  # more than the driver's buffers: a frame processed so much later is of the new picture
 RECORDED = 60
@@ -40,8 +50,11 @@ class CameraStage:
 
     def listing(self):
         text = self.guest.check("ninedot cameras")
-        self.stage.ok("cameras", "/dev/video0" in text and "GREY" in text and "/dev/video1" not in text,
-                      "`ninedot cameras` lists the capture node and its formats")
+        self.stage.ok(
+            "cameras",
+            "/dev/video0" in text and "GREY" in text and "/dev/video1" not in text,
+            "`ninedot cameras` lists the capture node and its formats",
+        )
         self.guest.write("/tmp/check.toml", camera_config())
         status, text = self.guest.run("ninedot check --config /tmp/check.toml")
         self.stage.ok("check", status == 0, "`ninedot check` opens the camera" if status == 0 else text)
@@ -52,13 +65,21 @@ class CameraStage:
         captured = checksums(self.guest, "/tmp/captured")
         scenes = [self.scene_of.get(digest) for _, digest in sorted(captured.items())]
         foreign = scenes.count(None)
-        self.stage.ok("pictures", len(scenes) == RECORDED and foreign == 0,
-                      f"{len(scenes)} pictures captured, {len(set(scenes))} of {len(self.sums)} scenes, {foreign} not equal to what was played ({said})")
+        self.stage.ok(
+            "pictures",
+            len(scenes) == RECORDED and foreign == 0,
+            f"{len(scenes)} pictures captured, {len(set(scenes))} of {len(self.sums)} scenes, "
+            f"{foreign} not equal to what was played ({said})",
+        )
         rows = replay(self.guest, "/tmp/captured", "--camera /media/scenes/camera.yaml")
         by_number = dict(zip(sorted(captured), scenes))
         wrong = [row["frame"] for row in rows if not same_pose(row, self.rows[by_number[int(row["frame"])]])]
         expected = sum(scene in self.rows for scene in scenes)
-        self.stage.ok("replay-of-capture", not wrong and len(rows) == expected, f"{len(rows)} rows of the captured pictures, {len(wrong)} differ from those of the originals")
+        self.stage.ok(
+            "replay-of-capture",
+            not wrong and len(rows) == expected,
+            f"{len(rows)} rows of the captured pictures, {len(wrong)} differ from those of the originals",
+        )
 
     def formats(self):
         table, good = [], True
@@ -81,7 +102,7 @@ class CameraStage:
     def stills(self, service):
         """Each scene held until the service shows it: the registers must be those of its row."""
         wrong, shown = [], 0
-        scenes = sorted(self.sums)[::SMOKE_STEP if self.stage.smoke else 1]
+        scenes = sorted(self.sums)[:: SMOKE_STEP if self.stage.smoke else 1]
         for number in scenes:
             self.vivid.play(f"/media/stills/{number:02}.raw")
             registers = service.wait_for_frames(FRAMES_IN_FLIGHT)
@@ -94,8 +115,13 @@ class CameraStage:
             else:
                 shown += 1
                 wrong += [f"scene {number}: {text}" for text in DifferenceFromRow(registers, row).differences]
-        self.stage.ok("stills", not wrong and shown == sum(number in self.rows for number in scenes),
-                      "; ".join(wrong[:3]) or f"{len(scenes)} scenes: {shown} poses equal the replay's bit for bit, {len(scenes) - shown} without landmark give none")
+        self.stage.ok(
+            "stills",
+            not wrong and shown == sum(number in self.rows for number in scenes),
+            "; ".join(wrong[:3])
+            or f"{len(scenes)} scenes: {shown} poses equal the replay's bit for bit, "
+            f"{len(scenes) - shown} without landmark give none",
+        )
 
     def free_running(self, service):
         self.vivid.play("/tmp/scenes.raw")
@@ -111,12 +137,19 @@ class CameraStage:
             row = nearest_row(self.rows.values(), registers)
             seen.add(row["frame"])
             wrong += DifferenceFromRow(registers, row).differences[:1]
-        self.stage.ok("free-running", not wrong and len(seen) > len(self.rows) // 3,
-                      "; ".join(wrong[:3]) or f"{reads} reads in {FREE_RUNNING_S:.0f} s show {len(seen)} different poses, each equal to one of the replay's")
+        self.stage.ok(
+            "free-running",
+            not wrong and len(seen) > len(self.rows) // 3,
+            "; ".join(wrong[:3])
+            or f"{reads} reads in {FREE_RUNNING_S:.0f} s show {len(seen)} different poses, each equal to one of the replay's",
+        )
         # A stamp on a wrong clock, or from the wrong end, would make the age negative (0 or saturated) or constant.
         ages.sort()
-        self.stage.ok("stamps", bool(ages) and 0 < ages[0] and ages[len(ages) // 2] < 1000,
-                      f"age of the poses {ages[0]:.1f} to {ages[-1]:.1f} ms, median {ages[len(ages) // 2]:.1f}" if ages else "no poses")
+        self.stage.ok(
+            "stamps",
+            bool(ages) and 0 < ages[0] and ages[len(ages) // 2] < 1000,
+            f"age of the poses {ages[0]:.1f} to {ages[-1]:.1f} ms, median {ages[len(ages) // 2]:.1f}" if ages else "no poses",
+        )
 
 
 def run(stage):

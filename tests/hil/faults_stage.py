@@ -21,11 +21,11 @@ class Watch:
         self.service = service
         self.started = time.monotonic()
         self.before = self.last = service.read()
-        self.reasons = []        # in order of appearance, without repetition in a row; 0: valid
-        self.lost_at = None      # the first read that said camera lost
-        self.back_at = None      # the first one after the last of them
-        self.sums = []           # (when, frames accounted for), at each change
-        self.ages_ms = []        # while the camera was lost
+        self.reasons = []  # in order of appearance, without repetition in a row; 0: valid
+        self.lost_at = None  # the first read that said camera lost
+        self.back_at = None  # the first one after the last of them
+        self.sums = []  # (when, frames accounted for), at each change
+        self.ages_ms = []  # while the camera was lost
 
     def look(self):
         registers = self.last = self.service.read()
@@ -51,7 +51,9 @@ class Watch:
         started = time.monotonic()
         while not condition(self.look()):
             if time.monotonic() - started > within_s:
-                raise AssertionError(f"not within {within_s:.0f} s: {what}; reasons seen {self.reasons}; log:\n{self.service.log()}")
+                raise AssertionError(
+                    f"not within {within_s:.0f} s: {what}; reasons seen {self.reasons}; log:\n{self.service.log()}"
+                )
         return time.monotonic() - started
 
     def during(self, command, guest, timeout_s=60):
@@ -63,6 +65,7 @@ class Watch:
                 guest.check(command, timeout_s)
             except Exception as error:
                 failure.append(error)
+
         thread = threading.Thread(target=work)
         thread.start()
         while thread.is_alive():
@@ -94,17 +97,31 @@ class FaultsStage:
     def settle(self, service):
         """A quiet camera before each fault: valid, for several frames on end."""
         count = 0
+
         def quiet(registers):
             nonlocal count
             count = count + 1 if registers.valid else 0
             return count >= 5
+
         service.wait_for(quiet, "a valid pose before the next fault")
 
     def note(self, check, title, good, seen, watch, recovered_s=None):
         expected_alive = watch.last.uptime_s >= watch.before.uptime_s
-        self.stage.ok(check, good and expected_alive, f"{title}: {seen}" + (f", frames again after {recovered_s:.1f} s" if recovered_s is not None else ""))
-        self.rows.append((title, seen, f"{recovered_s:.1f} s" if recovered_s is not None else "was never lost",
-                          f"{watch.changed('restarts'):+d}", f"{watch.changed('failed'):+d}", f"{watch.changed('dropped'):+d}"))
+        self.stage.ok(
+            check,
+            good and expected_alive,
+            f"{title}: {seen}" + (f", frames again after {recovered_s:.1f} s" if recovered_s is not None else ""),
+        )
+        self.rows.append(
+            (
+                title,
+                seen,
+                f"{recovered_s:.1f} s" if recovered_s is not None else "was never lost",
+                f"{watch.changed('restarts'):+d}",
+                f"{watch.changed('failed'):+d}",
+                f"{watch.changed('dropped'):+d}",
+            )
+        )
 
     def lost_and_back(self, service, check, title, start, end=None, hold_s=1.0, player=True):
         """A fault that takes the camera away: until `end`, or only until it is opened again. vivid hands an injected error to
@@ -130,8 +147,16 @@ class FaultsStage:
             self.vivid.play(STILL)
         watch.until(lambda registers: registers.valid, f"{title}: valid again")
         ages_grow = watch.ages_ms == sorted(watch.ages_ms)
-        self.note(check, title, stays_lost and ages_grow and watch.changed("restarts") == 1, f"camera lost (4) after {lost_after:.2f} s"
-                  + ("" if ages_grow else ", the age went back") + ("" if stays_lost else ", not for as long as the fault lasted"), watch, back_s)
+        self.note(
+            check,
+            title,
+            stays_lost and ages_grow and watch.changed("restarts") == 1,
+            f"camera lost (4) after {lost_after:.2f} s"
+            + ("" if ages_grow else ", the age went back")
+            + ("" if stays_lost else ", not for as long as the fault lasted"),
+            watch,
+            back_s,
+        )
 
     def stays_valid(self, service, check, title, start, end, seconds=3.0, restart=False):
         """A disturbance that must cost nothing but frames."""
@@ -139,7 +164,10 @@ class FaultsStage:
         if restart:  # it takes effect when a stream starts
             watch = Watch(service)
             watch.during(start + "; " + self.set("inject_fatal_streaming_error"), self.guest)
-            watch.until(lambda registers: registers.restarts > watch.before.restarts and registers.valid, f"{title}: the stream started anew")
+            watch.until(
+                lambda registers: registers.restarts > watch.before.restarts and registers.valid,
+                f"{title}: the stream started anew",
+            )
             start = "true"
         watch = Watch(service)
         watch.during(start, self.guest)
@@ -149,8 +177,16 @@ class FaultsStage:
             ages.append(watch.look().age_ms)
         per_s = watch.frames_per_s()
         watch.during(end, self.guest)
-        good = watch.lost_at is None and watch.changed("restarts") == 0 and abs(per_s - RATE_HZ) < 0.1 * RATE_HZ and max(ages) < 2000
-        self.note(check, title, good, f"processed, dropped and failed together {per_s:.1f} per second of {RATE_HZ}; age at most {max(ages):.0f} ms", watch)
+        good = (
+            watch.lost_at is None and watch.changed("restarts") == 0 and abs(per_s - RATE_HZ) < 0.1 * RATE_HZ and max(ages) < 2000
+        )
+        self.note(
+            check,
+            title,
+            good,
+            f"processed, dropped and failed together {per_s:.1f} per second of {RATE_HZ}; age at most {max(ages):.0f} ms",
+            watch,
+        )
 
     def flagged(self, service):
         self.settle(service)
@@ -162,29 +198,46 @@ class FaultsStage:
         until = time.monotonic() + 1.5
         watch.until(lambda _: time.monotonic() > until, "")
         self.vivid.play(STILL)
-        self.note("flagged", f"`inject_v4l2_buf_flag_error`, {count} times", watch.changed("failed") == count and watch.lost_at is None,
-                  f"{watch.changed('failed')} frames counted as failed", watch)
+        self.note(
+            "flagged",
+            f"`inject_v4l2_buf_flag_error`, {count} times",
+            watch.changed("failed") == count and watch.lost_at is None,
+            f"{watch.changed('failed')} frames counted as failed",
+            watch,
+        )
 
     def refused_calls(self, service):
         fatal = self.set("inject_fatal_streaming_error")
         for call in ("reqbufs", "qbuf", "streamon"):
             control = f"inject_vidioc_{call}_error"
-            self.lost_and_back(service, call, f"`{control}` while it is opened again", f"{self.set(control)}; {fatal}", player=False)
+            self.lost_and_back(
+                service, call, f"`{control}` while it is opened again", f"{self.set(control)}; {fatal}", player=False
+            )
 
     def lost_buffers(self, service):
         """A buffer that the driver refuses to take back is out of the game; when none is left, the stall gets them all back."""
         again = " ".join(["1"] * 5)
-        self.lost_and_back(service, "starved", "`inject_vidioc_qbuf_error` until no buffer is left",
-                           f"for i in {again}; do {self.set('inject_vidioc_qbuf_error')}; sleep 0.2; done", player=False)
+        self.lost_and_back(
+            service,
+            "starved",
+            "`inject_vidioc_qbuf_error` until no buffer is left",
+            f"for i in {again}; do {self.set('inject_vidioc_qbuf_error')}; sleep 0.2; done",
+            player=False,
+        )
 
     def busy(self, service):
         """The camera is away for a moment, and somebody else is faster to take it."""
-        self.lost_and_back(service, "busy", "another program takes the camera, for 2 s",
-                           f"""rm {CAMERA}; {self.set("inject_fatal_streaming_error")}; sleep 0.3
+        self.lost_and_back(
+            service,
+            "busy",
+            "another program takes the camera, for 2 s",
+            f"""rm {CAMERA}; {self.set("inject_fatal_streaming_error")}; sleep 0.3
                            v4l2-ctl -d {CAPTURE} --stream-mmap 3 --stream-count 100000 > /tmp/thief.log 2>&1 & echo $! > /tmp/thief.pid
                            for _ in $(seq 200); do grep -q "<" /tmp/thief.log && break; sleep 0.05; done
                            ln -sfn {CAPTURE} {CAMERA}""",
-                           "kill $(cat /tmp/thief.pid)", hold_s=2)
+            "kill $(cat /tmp/thief.pid)",
+            hold_s=2,
+        )
 
     def unplugged(self, service):
         self.settle(service)
@@ -204,32 +257,66 @@ class FaultsStage:
         plugged = time.monotonic()
         watch.during(f"ln -sfn {CAPTURE} {CAMERA}", self.guest)
         watch.until(lambda registers: registers.valid, "bind: valid again")
-        self.note("unplugged", "driver unbound, bound again after 3 s and more", gone and stays_lost and watch.changed("restarts") >= 1,
-                  f"camera lost (4) after {lost_after:.2f} s", watch, watch.back_at - plugged)
+        self.note(
+            "unplugged",
+            "driver unbound, bound again after 3 s and more",
+            gone and stays_lost and watch.changed("restarts") >= 1,
+            f"camera lost (4) after {lost_after:.2f} s",
+            watch,
+            watch.back_at - plugged,
+        )
 
     def signals(self, service):
         for choice, check, title in ((2, "no-lock", "no lock"), (3, "out-of-range", "signal out of range")):
-            self.lost_and_back(service, check, f"`dv_timings_signal_mode={choice}` ({title})", self.set("dv_timings_signal_mode", choice),
-                               self.set("dv_timings_signal_mode", 0), hold_s=2)
+            self.lost_and_back(
+                service,
+                check,
+                f"`dv_timings_signal_mode={choice}` ({title})",
+                self.set("dv_timings_signal_mode", choice),
+                self.set("dv_timings_signal_mode", 0),
+                hold_s=2,
+            )
 
     def drops(self, service):
         dropped = "percentage_of_dropped_buffers"
-        self.lost_and_back(service, "silent", f"`{dropped}=100` (silent stall)", self.set(dropped, 100), self.set(dropped, 0), hold_s=2)
+        self.lost_and_back(
+            service, "silent", f"`{dropped}=100` (silent stall)", self.set(dropped, 100), self.set(dropped, 0), hold_s=2
+        )
         self.stays_valid(service, "dropped", f"`{dropped}=50`", self.set(dropped, 50), self.set(dropped, 0))
 
     def wraps(self, service):
-        self.stays_valid(service, "sequence-wrap", "`wrap_sequence_number`: from 2^32 - 1 to 0", self.set("wrap_sequence_number", 1),
-                         self.set("wrap_sequence_number", 0), seconds=5, restart=True)
+        self.stays_valid(
+            service,
+            "sequence-wrap",
+            "`wrap_sequence_number`: from 2^32 - 1 to 0",
+            self.set("wrap_sequence_number", 1),
+            self.set("wrap_sequence_number", 0),
+            seconds=5,
+            restart=True,
+        )
         for bits, choice in ((32, 2), (64, 1)):  # the driver wraps 16 s after the stream's start
-            self.stays_valid(service, f"timestamp-wrap-{bits}", f"`wrap_timestamp={choice}` ({bits} bit)", self.set("wrap_timestamp", choice),
-                             self.set("wrap_timestamp", 0), seconds=18, restart=True)
+            self.stays_valid(
+                service,
+                f"timestamp-wrap-{bits}",
+                f"`wrap_timestamp={choice}` ({bits} bit)",
+                self.set("wrap_timestamp", choice),
+                self.set("wrap_timestamp", 0),
+                seconds=18,
+                restart=True,
+            )
 
     def shortest(self, service):
         self.lost_and_back(service, "fatal", "`inject_fatal_streaming_error`", self.set("inject_fatal_streaming_error"))
         self.flagged(service)
         self.lost_and_back(service, "disconnect", "`disconnect`", self.set("disconnect"))
-        self.lost_and_back(service, "no-signal", "`dv_timings_signal_mode=1` (no signal)", self.set("dv_timings_signal_mode", 1),
-                           self.set("dv_timings_signal_mode", 0), hold_s=2)
+        self.lost_and_back(
+            service,
+            "no-signal",
+            "`dv_timings_signal_mode=1` (no signal)",
+            self.set("dv_timings_signal_mode", 1),
+            self.set("dv_timings_signal_mode", 0),
+            hold_s=2,
+        )
         self.unplugged(service)
 
     def run(self):
@@ -246,8 +333,20 @@ class FaultsStage:
 
 
 SMOKE_CHECKS = ("fatal", "flagged", "disconnect", "no-signal", "unplugged", "ends")
-CHECKS = SMOKE_CHECKS + ("no-lock", "out-of-range", "silent", "dropped", "reqbufs", "qbuf", "streamon", "starved", "busy",
-                         "sequence-wrap", "timestamp-wrap-32", "timestamp-wrap-64")
+CHECKS = SMOKE_CHECKS + (
+    "no-lock",
+    "out-of-range",
+    "silent",
+    "dropped",
+    "reqbufs",
+    "qbuf",
+    "streamon",
+    "starved",
+    "busy",
+    "sequence-wrap",
+    "timestamp-wrap-32",
+    "timestamp-wrap-64",
+)
 
 
 def run(stage):

@@ -61,20 +61,45 @@ class Guest:
     def _boot(self):
         shell = self.folder / "shell"
         command = [
-            "qemu-system-x86_64", "-M", "q35", "-cpu", "max", "-smp", "2", "-m", "1G", "-accel", "tcg,thread=multi",
-            "-nodefaults", "-display", "none", "-no-reboot", "-kernel", self.image / "kernel", "-initrd",
-            self.image / "initramfs", "-append", "console=ttyS0 quiet loglevel=4 mitigations=off panic=1",
-            "-serial", f"file:{self.log}",
-            "-chardev", f"socket,id=shell,path={shell},server=on,wait=off",
-            "-device", "virtio-serial-pci", "-device", "virtconsole,chardev=shell",
-            "-qmp", f"unix:{self.folder / 'qmp'},server=on,wait=off",
-            "-netdev", f"user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:{self.modbus_port}-:{self.MODBUS_PORT}"
-                       f",hostfwd=tcp:127.0.0.1:{self.files_port}-:{self.FILES_PORT}",
-            "-device", "virtio-net-pci,netdev=net,romfile=",
+            "qemu-system-x86_64",
+            "-M",
+            "q35",
+            "-cpu",
+            "max",
+            "-smp",
+            "2",
+            "-m",
+            "1G",
+            "-accel",
+            "tcg,thread=multi",
+            "-nodefaults",
+            "-display",
+            "none",
+            "-no-reboot",
+            "-kernel",
+            self.image / "kernel",
+            "-initrd",
+            self.image / "initramfs",
+            "-append",
+            "console=ttyS0 quiet loglevel=4 mitigations=off panic=1",
+            "-serial",
+            f"file:{self.log}",
+            "-chardev",
+            f"socket,id=shell,path={shell},server=on,wait=off",
+            "-device",
+            "virtio-serial-pci",
+            "-device",
+            "virtconsole,chardev=shell",
+            "-qmp",
+            f"unix:{self.folder / 'qmp'},server=on,wait=off",
+            "-netdev",
+            f"user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:{self.modbus_port}-:{self.MODBUS_PORT}"
+            f",hostfwd=tcp:127.0.0.1:{self.files_port}-:{self.FILES_PORT}",
+            "-device",
+            "virtio-net-pci,netdev=net,romfile=",
         ] + [argument.format(folder=self.folder) for argument in self.extra]
         self.log.write_text("")
-        self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                                        stderr=subprocess.PIPE)
+        self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
         deadline = time.monotonic() + BOOT_WITHIN_S
         while "init: ready" not in self.log.read_text(errors="replace"):
             if self.process.poll() is not None:
@@ -92,7 +117,7 @@ class Guest:
         end = f"--end-{self.serial_number}:"
         # In a subshell, so that `exit` and `cd` concern this command alone; without input, which is the shell's own; into a file,
         # because programs draw progress on terminals.
-        line = f"({command}\n) < /dev/null > /tmp/.output 2>&1 3>&-; status=$?; cat /tmp/.output >&3; echo \"\n{end}$status\" >&3\n"
+        line = f'({command}\n) < /dev/null > /tmp/.output 2>&1 3>&-; status=$?; cat /tmp/.output >&3; echo "\n{end}$status" >&3\n'
         self.channel.sendall(line.encode())
         text = b""
         deadline = time.monotonic() + timeout_s
@@ -120,7 +145,7 @@ class Guest:
         return output
 
     def fetch(self, path):
-        """A file of the guest's, of any size: the console is for texts of some kilobytes."""
+        """An ordinary file of the guest's, of any size: the console is for texts of some kilobytes."""
         with urllib.request.urlopen(f"http://127.0.0.1:{self.files_port}{path}", timeout=30) as reply:
             return reply.read()
 

@@ -2,15 +2,17 @@
 # Makes what QEMU boots for the tests against kernel drivers: Debian's own kernel, and an initramfs of busybox, the modules of the drivers,
 # the foreign tools and ours. Nothing of it is ever installed or mounted here; no rights are needed.
 #
-#   tests/hil/guest_image.sh BIN_FOLDER MEDIA_FOLDER OUT_FOLDER    makes OUT_FOLDER/kernel and OUT_FOLDER/initramfs
+#   tests/hil/guest_image.sh BIN_FOLDER MEDIA_FOLDER OUT_FOLDER [--simulated-hardware]    makes OUT_FOLDER/kernel and OUT_FOLDER/initramfs
 #
-# MEDIA_FOLDER becomes /media in the guest.
+# MEDIA_FOLDER becomes /media in the guest. --simulated-hardware: with the drivers that kernel_modules.sh builds.
 #
 # The kernel package is downloaded once into ${NINEDOT_CACHE:-/var/tmp/ninedot-cache}/hil.
 set -euo pipefail
 fail() { echo "guest_image.sh: $*" >&2; exit 2; }
 
-[[ $# -eq 3 ]] || fail "usage: tests/hil/guest_image.sh BIN_FOLDER MEDIA_FOLDER OUT_FOLDER"
+[[ $# -eq 3 || ($# -eq 4 && $4 == --simulated-hardware) ]] ||
+  fail "usage: tests/hil/guest_image.sh BIN_FOLDER MEDIA_FOLDER OUT_FOLDER [--simulated-hardware]"
+simulated=${4:-}
 [[ $(dpkg --print-architecture) == amd64 ]] || fail "the guest runs this machine's programs, and so far it is an amd64 machine: use one"
 source_dir=$(cd "$(dirname "$(readlink -f "$0")")/../.." && pwd)
 bin=$(readlink -f "$1")
@@ -22,7 +24,7 @@ mkdir -p "$cache"
 PATH=$PATH:/usr/sbin:/sbin
 
 # What the stages load by name; what these depend on comes along. What a kernel has built in is no module.
-modules=(vivid virtio_pci virtio_console virtio_net xhci_pci usbserial ftdi_sio i2c-stub i2c-dev configfs gpio-sim pwm-pca9685)
+modules=(vivid virtio_pci virtio_console virtio_net xhci_pci usbserial ftdi_sio)
 
 kernel_package() {
   apt-cache depends --important linux-image-amd64 2> /dev/null | sed -n 's/^ *Depends: \(linux-image-[0-9].*\)/\1/p' | head -n 1
@@ -82,7 +84,10 @@ copy_programs() {
 }
 
 fetch_kernel
-"$source_dir/tests/hil/kernel_modules.sh" "$kernel" "$out/modules.log"
+if [[ -n $simulated ]]; then
+  "$source_dir/tests/hil/kernel_modules.sh" "$kernel" "$out/modules.log"
+  modules+=(i2c-stub i2c-dev configfs gpio-sim pwm-pca9685)
+fi
 root=$(mktemp -d "$out/root.XXXXXX")
 trap 'rm -rf "$root"' EXIT
 mkdir -p "$root"/{bin,dev,etc,proc,sys,tmp,run}

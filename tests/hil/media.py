@@ -14,7 +14,7 @@ FRAME_PERIOD_NS = 1_000_000_000 // 35
 def with_chroma(luma, *, luma_first):
     """YUYV or UYVY with grey chroma."""
     packed = bytearray(b"\x80" * (2 * len(luma)))
-    packed[0 if luma_first else 1::2] = luma
+    packed[0 if luma_first else 1 :: 2] = luma
     return bytes(packed)
 
 
@@ -40,8 +40,12 @@ JPEG_QUALITY = 95
 
 
 def as_jpeg(width, height, luma):
-    return subprocess.run(["cjpeg", "-grayscale", "-quality", str(JPEG_QUALITY)], input=f"P5 {width} {height} 255\n".encode() + luma,
-                          capture_output=True, check=True).stdout
+    return subprocess.run(
+        ["cjpeg", "-grayscale", "-quality", str(JPEG_QUALITY)],
+        input=f"P5 {width} {height} 255\n".encode() + luma,
+        capture_output=True,
+        check=True,
+    ).stdout
 
 
 def source_pictures(recordings):
@@ -50,29 +54,25 @@ def source_pictures(recordings):
 
 def make_media(recordings, folder):
     """FOLDER/scenes: a recording, numbered from 0; FOLDER/stills/NN.raw: its pictures; FOLDER/formats/F.raw: one of them in each
-    format; FOLDER/jpeg/N.jpg: all of them as JPEG, and FOLDER/jpegs: these as a recording. Made once; a newer source makes it anew."""
+    format; FOLDER/jpeg/N.jpg: all of them as JPEG. Made once; a newer source makes it anew."""
     pictures = source_pictures(recordings)
     stamp = folder / "complete"
     sources = [picture for _, picture in pictures] + [pathlib.Path(__file__)]
     if stamp.exists() and stamp.stat().st_mtime > max(source.stat().st_mtime for source in sources):
         return
     shutil.rmtree(folder, ignore_errors=True)
-    for name in ("scenes/frames", "stills", "formats", "jpeg", "jpegs/frames"):
+    for name in ("scenes/frames", "stills", "formats", "jpeg"):
         (folder / name).mkdir(parents=True)
-    for name in ("scenes", "jpegs"):
-        shutil.copyfile(recordings / RECORDINGS[0] / "camera.yaml", folder / name / "camera.yaml")
+    shutil.copyfile(recordings / RECORDINGS[0] / "camera.yaml", folder / "scenes" / "camera.yaml")
     rows = ["frame,timestamp_ns,pan_deg,tilt_deg\n"]
     for number, (_, picture) in enumerate(pictures):
         shutil.copyfile(picture, folder / "scenes" / "frames" / f"{number:06}.png")
         rows.append(f"{number},{number * FRAME_PERIOD_NS},0,0\n")
         width, height, luma = read_png_grey(picture)
-        jpeg = as_jpeg(width, height, luma)
-        (folder / "jpeg" / f"{number}.jpg").write_bytes(jpeg)
-        (folder / "jpegs" / "frames" / f"{number:06}.jpg").write_bytes(jpeg)
+        (folder / "jpeg" / f"{number}.jpg").write_bytes(as_jpeg(width, height, luma))
         (folder / "stills" / f"{number:02}.raw").write_bytes(luma)
         if number == SCENE_OF_FORMATS:
             for name, written in PIXEL_FORMATS.items():
                 (folder / "formats" / f"{name}.raw").write_bytes(written(luma))
-    for name in ("scenes", "jpegs"):
-        (folder / name / "frames.csv").write_text("".join(rows))
+    (folder / "scenes" / "frames.csv").write_text("".join(rows))
     stamp.touch()

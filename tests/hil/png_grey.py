@@ -12,7 +12,7 @@ def read_png_grey(path):
     header, packed, position = None, b"", 8
     while position < len(data):
         size, kind = struct.unpack_from(">I4s", data, position)
-        body = data[position + 8:position + 8 + size]
+        body = data[position + 8 : position + 8 + size]
         if kind == b"IHDR":
             header = struct.unpack(">IIBBBBB", body)
         elif kind == b"IDAT":
@@ -28,7 +28,7 @@ def _unfilter(filtered, width, height):
     """PNG specification (RFC 2083), section 6; one byte per pixel."""
     above, rows = bytes(width), []
     for start in range(0, height * (width + 1), width + 1):
-        kind, row = filtered[start], bytearray(filtered[start + 1:start + 1 + width])
+        kind, row = filtered[start], bytearray(filtered[start + 1 : start + 1 + width])
         if kind == 2:
             row = bytearray((value + up) & 0xFF for value, up in zip(row, above))
         elif kind != 0:

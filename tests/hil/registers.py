@@ -23,7 +23,7 @@ class Registers:
         return value - (1 << 32) if value >> 31 else value
 
     def float32(self, address):
-        return struct.unpack(">f", struct.pack(">HH", *self.words[address:address + 2]))[0]
+        return struct.unpack(">f", struct.pack(">HH", *self.words[address : address + 2]))[0]
 
     valid = property(lambda self: bool(self.words[4] & 1))
     found = property(lambda self: bool(self.words[4] & 2))

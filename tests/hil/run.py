@@ -28,7 +28,13 @@ import servo_stage
 from guest import Guest
 from media import make_media
 
-STAGES = {"camera": camera_stage, "faults": faults_stage, "serial": serial_stage, "servo": servo_stage, "libcamera": libcamera_stage}
+STAGES = {
+    "camera": camera_stage,
+    "faults": faults_stage,
+    "serial": serial_stage,
+    "servo": servo_stage,
+    "libcamera": libcamera_stage,
+}
 SMOKE_STAGES = ("camera", "faults")
 
 
@@ -80,15 +86,18 @@ def as_table(header, rows):
 
 def report(stages):
     text = "# Tests against kernel drivers\n\n"
-    text += as_table(("stage", "checks", "failed", "seconds"),
-                     [(s.name, len(s.lines), len(s.failed), f"{s.seconds:.0f}") for s in stages])
-    text += f"\nGuest under QEMU's TCG on {platform.processor() or platform.machine()}, {os.cpu_count()} processors: judge function here, never speed.\n"
+    text += as_table(
+        ("stage", "checks", "failed", "seconds"), [(s.name, len(s.lines), len(s.failed), f"{s.seconds:.0f}") for s in stages]
+    )
+    text += f"\nGuest under QEMU's TCG on {platform.machine()}, {os.cpu_count()} processors: judge function here, never speed.\n"
     for stage in stages:
         text += f"\n## {stage.name}\n\n"
         if stage.left_out:
             text += f"Left out: {stage.left_out}.\n"
             continue
-        text += as_table(("check", "", "seen"), [(check, "ok" if good else "FAILED", detail) for check, good, detail in stage.lines])
+        text += as_table(
+            ("check", "", "seen"), [(check, "ok" if good else "FAILED", detail) for check, good, detail in stage.lines]
+        )
         for title, header, rows in stage.tables:
             text += f"\n### {title}\n\n" + as_table(header, rows)
     return text
@@ -99,13 +108,16 @@ def main(arguments):
         sys.exit(__doc__)
     bin_folder, out = (pathlib.Path(argument).resolve() for argument in arguments[:2])
     smoke = "--smoke" in arguments
-    names = [name for name in arguments[2:] if name != "--smoke"] or [name for name in STAGES if not smoke or name in SMOKE_STAGES]
+    names = [name for name in arguments[2:] if name != "--smoke"] or [
+        name for name in STAGES if not smoke or name in SMOKE_STAGES
+    ]
     unknown = [name for name in names if name not in STAGES]
     if unknown:
         sys.exit(f"hil: there is no stage {' '.join(unknown)}; there are {' '.join(STAGES)}")
     out.mkdir(parents=True, exist_ok=True)
     make_media(SOURCE / "tests" / "recordings", out / "media")
-    image = subprocess.run([SOURCE / "tests" / "hil" / "guest_image.sh", bin_folder, out / "media", out])
+    simulated = ["--simulated-hardware"] if "servo" in names else []
+    image = subprocess.run([SOURCE / "tests" / "hil" / "guest_image.sh", bin_folder, out / "media", out, *simulated])
     if image.returncode != 0:
         return 2
     stages = [Stage(name, STAGES[name], out, smoke) for name in names]

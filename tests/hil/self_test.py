@@ -12,16 +12,32 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from png_grey import read_png_grey
 from registers import DifferenceFromRow, Registers, as_float32, rotation_vector_deg
 
-ROW = dict(x_mm="711.123456", y_mm="-2897.642860", z_mm="250.985231", qw="0.500000000", qx="-0.500000000", qy="0.500000000", qz="0.500000000",
-           sigma_x_mm="1.234567", sigma_y_mm="0.001000", sigma_z_mm="900.000000", ambiguity="0.123456", rms_px="0.034567", dots="9", landmark_id="0")
+ROW = dict(
+    x_mm="711.123456",
+    y_mm="-2897.642860",
+    z_mm="250.985231",
+    qw="0.500000000",
+    qx="-0.500000000",
+    qy="0.500000000",
+    qz="0.500000000",
+    sigma_x_mm="1.234567",
+    sigma_y_mm="0.001000",
+    sigma_z_mm="900.000000",
+    ambiguity="0.123456",
+    rms_px="0.034567",
+    dots="9",
+    landmark_id="0",
+)
 
 
 def words_of(row):
     """What the service would publish for a row."""
     words = [0] * 86
     words[0:2] = 0x9D09, 1
+
     def put(address, packed):
-        words[address:address + 2] = struct.unpack(">HH", packed)
+        words[address : address + 2] = struct.unpack(">HH", packed)
+
     quaternion = [float(row[name]) for name in ("qw", "qx", "qy", "qz")]
     for i, axis in enumerate("xyz"):
         put(40 + 2 * i, struct.pack(">f", float(row[f"{axis}_mm"])))
@@ -69,12 +85,18 @@ class Pictures(unittest.TestCase):
                 paeth = min((left, up, corner), key=lambda v: abs(estimate - v))
                 packed += bytes([(value - (0, left, up, (left + up) // 2, paeth)[kind]) & 0xFF])
             above = row
+
         def chunk(name, body):
             return struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
+
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "picture.png"
-            file.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, len(rows), 8, 0, 0, 0, 0))
-                             + chunk(b"IDAT", zlib.compress(packed)) + chunk(b"IEND", b""))
+            file.write_bytes(
+                b"\x89PNG\r\n\x1a\n"
+                + chunk(b"IHDR", struct.pack(">IIBBBBB", width, len(rows), 8, 0, 0, 0, 0))
+                + chunk(b"IDAT", zlib.compress(packed))
+                + chunk(b"IEND", b"")
+            )
             self.assertEqual(read_png_grey(file), (width, len(rows), b"".join(rows)))
 
 

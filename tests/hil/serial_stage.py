@@ -14,8 +14,24 @@ from registers import DifferenceFromRow, Registers
 from service import GuestService, nearest_row, replay
 from service_harness import Client
 
-CHECKS = SMOKE_CHECKS = ("rtu-pymodbus", "rtu-input-registers", "rtu-mbpoll", "rtu-write", "rtu-refusal", "rtu-other-unit", "rtu-noise", "rtu-torn",
-          "rtu-and-tcp", "tcp-clients", "tcp-mbpoll", "tcp-unplugged", "usb-pymodbus", "usb-unplugged", "usb-absent", "ends")
+CHECKS = SMOKE_CHECKS = (
+    "rtu-pymodbus",
+    "rtu-input-registers",
+    "rtu-mbpoll",
+    "rtu-write",
+    "rtu-refusal",
+    "rtu-other-unit",
+    "rtu-noise",
+    "rtu-torn",
+    "rtu-and-tcp",
+    "tcp-clients",
+    "tcp-mbpoll",
+    "tcp-unplugged",
+    "usb-pymodbus",
+    "usb-unplugged",
+    "usb-absent",
+    "ends",
+)
 
 UNIT = 7
 POLLING_S = 6.0
@@ -48,8 +64,11 @@ class Master(Client):
 
     def __init__(self, device, unit=UNIT, timeout_s=2.0):
         import pymodbus.client
+
         options = {"retries": 0} if "retries" in inspect.signature(pymodbus.client.ModbusSerialClient).parameters else {}
-        self.client = pymodbus.client.ModbusSerialClient(device, baudrate=115200, parity="N", stopbits=1, timeout=timeout_s, **options)
+        self.client = pymodbus.client.ModbusSerialClient(
+            device, baudrate=115200, parity="N", stopbits=1, timeout=timeout_s, **options
+        )
         names = inspect.signature(self.client.read_holding_registers).parameters
         self.unit = {next((name for name in ("device_id", "slave", "unit") if name in names), "slave"): unit}
 
@@ -93,42 +112,69 @@ class SerialStage:
 
     def polled(self, check, client, seconds=POLLING_S, holding=True):
         reads, failures, wrong, longest = self.poll(client, seconds, holding)
-        self.stage.ok(check, reads > 10 and not failures and not wrong,
-                      "; ".join(wrong[:2]) or f"{reads} reads of 86 registers in {seconds:.0f} s, {failures} failed, poses equal the replay's, longest {1000 * longest:.0f} ms")
+        self.stage.ok(
+            check,
+            reads > 10 and not failures and not wrong,
+            "; ".join(wrong[:2])
+            or f"{reads} reads of 86 registers in {seconds:.0f} s, {failures} failed, poses equal the replay's, "
+            f"longest {1000 * longest:.0f} ms",
+        )
 
     def mbpoll(self, check, *arguments):
         good = 0
         for _ in range(10):
-            result = subprocess.run(["mbpoll", "-0", "-r", "0", "-c", "2", "-t", "4:hex", "-1", "-q", *arguments], capture_output=True, text=True, timeout=30)
+            result = subprocess.run(
+                ["mbpoll", "-0", "-r", "0", "-c", "2", "-t", "4:hex", "-1", "-q", *arguments],
+                capture_output=True,
+                text=True,
+                timeout=30,
+            )
             good += bool(re.search(r"\[0\]:\s+0x9D09", result.stdout)) and result.returncode == 0
-        self.stage.ok(check, good == 10, f"{good} of 10 calls read the magic number" + ("" if good == 10 else f"; {result.stdout} {result.stderr}"))
+        self.stage.ok(
+            check,
+            good == 10,
+            f"{good} of 10 calls read the magic number" + ("" if good == 10 else f"; {result.stdout} {result.stderr}"),
+        )
 
     def writes(self, client):
         keyword = client.unit
         single = client.client.write_register(105, 123, **keyword)
         several = client.client.write_registers(105, [321, 0xFFFF], **keyword)
         back = client.read(105, 2)
-        self.stage.ok("rtu-write", not single.isError() and not several.isError() and back == [321, 0xFFFF], f"function codes 06 and 16, read back {back}")
+        self.stage.ok(
+            "rtu-write",
+            not single.isError() and not several.isError() and back == [321, 0xFFFF],
+            f"function codes 06 and 16, read back {back}",
+        )
         refused = client.client.write_register(16, 1, **keyword)
         beyond = client.client.read_holding_registers(120, count=20, **keyword)
-        self.stage.ok("rtu-refusal", refused.isError() and getattr(refused, "exception_code", 0) == 2 and getattr(beyond, "exception_code", 0) == 2,
-                      "exception 02 for a register that can't be written, and for one beyond the map")
+        self.stage.ok(
+            "rtu-refusal",
+            refused.isError() and getattr(refused, "exception_code", 0) == 2 and getattr(beyond, "exception_code", 0) == 2,
+            "exception 02 for a register that can't be written, and for one beyond the map",
+        )
 
     def other_units(self, client):
-        (keyword, unit), = client.unit.items()
+        ((keyword, unit),) = client.unit.items()
         try:
             answered = not client.client.read_holding_registers(0, count=2, **{keyword: unit + 1}).isError()
         except Exception:
             answered = False
         client.read(0, 2)
-        self.stage.ok("rtu-other-unit", not answered, "a request for another unit stays without an answer, the next one for ours is answered")
+        self.stage.ok(
+            "rtu-other-unit",
+            not answered,
+            "a request for another unit stays without an answer, the next one for ours is answered",
+        )
 
     def noise(self, cable, client):
         before = Registers(client.read(0, 86)).bus_errors
         cable.send(bytes(range(1, 60)))
         time.sleep(0.3)
         after = Registers(client.read(0, 86)).bus_errors
-        self.stage.ok("rtu-noise", after > before, f"noise on the line: {after - before} bus errors counted, the next request answered")
+        self.stage.ok(
+            "rtu-noise", after > before, f"noise on the line: {after - before} bus errors counted, the next request answered"
+        )
 
     def torn(self, cable, client):
         """USB adapters deliver a request in pieces."""
@@ -148,7 +194,11 @@ class SerialStage:
             until = time.monotonic() + 2
             while len(reply) < 7 and select.select([terminal], [], [], max(0, until - time.monotonic()))[0]:
                 reply += terminal.read(64)
-        self.stage.ok("rtu-torn", reply[:5] == bytes([UNIT, 3, 2, 0x9D, 0x09]), f"a request in two pieces 8 ms apart is answered: {reply.hex(' ')}")
+        self.stage.ok(
+            "rtu-torn",
+            reply[:5] == bytes([UNIT, 3, 2, 0x9D, 0x09]),
+            f"a request in two pieces 8 ms apart is answered: {reply.hex(' ')}",
+        )
 
     def serial_card(self, folder):
         with Cable(folder / "card") as cable:
@@ -176,8 +226,12 @@ class SerialStage:
         thread.join()
         failures = sum(result[1] for result in results.values())
         wrong = sum((result[2] for result in results.values()), [])
-        self.stage.ok("rtu-and-tcp", not failures and not wrong and all(result[0] > 10 for result in results.values()),
-                      f"both masters at once: {results['rtu'][0]} reads by RTU, {results['tcp'][0]} by TCP in 4 s, {failures} failed, {len(wrong)} differ from the replay's")
+        self.stage.ok(
+            "rtu-and-tcp",
+            not failures and not wrong and all(result[0] > 10 for result in results.values()),
+            f"both masters at once: {results['rtu'][0]} reads by RTU, {results['tcp'][0]} by TCP in 4 s, {failures} failed, "
+            f"{len(wrong)} differ from the replay's",
+        )
 
     def network(self, service):
         clients = [Client(port=self.guest.modbus_port).__enter__() for _ in range(TCP_CLIENTS)]
@@ -192,8 +246,12 @@ class SerialStage:
             client.__exit__()
         left, _ = service.wait_for(lambda registers: registers.word(77) <= 2, "closed connections vanish from register 77", 10)
         failures, wrong = sum(r[1] for r in results), sum((r[2] for r in results), [])
-        self.stage.ok("tcp-clients", not failures and not wrong and connected >= TCP_CLIENTS,
-                      f"{TCP_CLIENTS} clients at once: {sum(r[0] for r in results)} reads in 3 s, {failures} failed; connected clients {connected}, afterwards {left.word(77)}")
+        self.stage.ok(
+            "tcp-clients",
+            not failures and not wrong and connected >= TCP_CLIENTS,
+            f"{TCP_CLIENTS} clients at once: {sum(r[0] for r in results)} reads in 3 s, {failures} failed; "
+            f"connected clients {connected}, afterwards {left.word(77)}",
+        )
         self.mbpoll("tcp-mbpoll", "-m", "tcp", "-a", "1", "-p", str(self.guest.modbus_port), "127.0.0.1")
         self.guest.qmp("set_link", name="net", up=False)
         time.sleep(2)
@@ -203,7 +261,11 @@ class SerialStage:
         service.client = Client(port=self.guest.modbus_port).__enter__()
         service.client.read(0, 2)
         again_s = time.monotonic() - plugged
-        self.stage.ok("tcp-unplugged", again_s < 10, f"network cable pulled for 2 s: a new connection is answered {again_s:.1f} s after it is back")
+        self.stage.ok(
+            "tcp-unplugged",
+            again_s < 10,
+            f"network cable pulled for 2 s: a new connection is answered {again_s:.1f} s after it is back",
+        )
 
     def usb_adapter(self, folder):
         node = "/dev/ttyUSB0"
@@ -219,10 +281,17 @@ class SerialStage:
                     good &= self.pull(service, cable, client, node, turn, rows)
                 counted = service.read().bus_errors - losses_before
                 worst = max((row[3] for row in rows), default=0)
-                self.stage.ok("usb-unplugged", good and counted >= UNPLUGGED_TIMES,
-                              f"{UNPLUGGED_TIMES} times while polling: TCP went on, {counted} bus errors counted, answers again after {worst:.1f} s at most")
-                self.stage.table("USB adapter pulled while polling", ("time", "pulled for", "node gone", "answers again after"),
-                                 [(turn, f"{pulled:.1f} s", gone, f"{again:.1f} s") for turn, pulled, gone, again in rows])
+                self.stage.ok(
+                    "usb-unplugged",
+                    good and counted >= UNPLUGGED_TIMES,
+                    f"{UNPLUGGED_TIMES} times while polling: TCP went on, {counted} bus errors counted, "
+                    f"answers again after {worst:.1f} s at most",
+                )
+                self.stage.table(
+                    "USB adapter pulled while polling",
+                    ("time", "pulled for", "node gone", "answers again after"),
+                    [(turn, f"{pulled:.1f} s", gone, f"{again:.1f} s") for turn, pulled, gone, again in rows],
+                )
         self.absent(node)
         return service
 
@@ -245,7 +314,9 @@ class SerialStage:
                 break
             except Exception:
                 if time.monotonic() - plugged_at > 30:
-                    raise AssertionError(f"the serial line is not served again; log:\n{service.log()}\n{self.guest.check('ls /dev/ttyUSB*; dmesg | tail')}")
+                    raise AssertionError(
+                        f"the serial line is not served again; log:\n{service.log()}\n{self.guest.check('ls /dev/ttyUSB*; dmesg | tail')}"
+                    )
                 client.client.close()
                 client.client.connect()
         rows.append((turn, plugged_at - pulled_at, "yes" if gone else "no", time.monotonic() - plugged_at))
@@ -256,13 +327,27 @@ class SerialStage:
         self.guest.write("/tmp/ninedotd.toml", config(node))
         status, text = self.guest.run("timeout 20 ninedotd --config /tmp/ninedotd.toml")
         last = text.splitlines()[-1] if text else ""
-        self.stage.ok("usb-absent", status == 1 and node in last and "connect the adapter" in last, f"at its start without the adapter: status {status}, \"{last}\"")
+        self.stage.ok(
+            "usb-absent",
+            status == 1 and node in last and "connect the adapter" in last,
+            f'at its start without the adapter: status {status}, "{last}"',
+        )
 
 
 def run(stage):
     logging.disable(logging.CRITICAL)
-    extra = ["-chardev", "socket,id=card,path={folder}/card,server=on,wait=off", "-device", "pci-serial,chardev=card",
-             "-chardev", "socket,id=usb,path={folder}/usb,server=on,wait=off", "-device", "qemu-xhci", "-device", "usb-serial,chardev=usb"]
+    extra = [
+        "-chardev",
+        "socket,id=card,path={folder}/card,server=on,wait=off",
+        "-device",
+        "pci-serial,chardev=card",
+        "-chardev",
+        "socket,id=usb,path={folder}/usb,server=on,wait=off",
+        "-device",
+        "qemu-xhci",
+        "-device",
+        "usb-serial,chardev=usb",
+    ]
     with stage.guest(*extra) as guest:
         test = SerialStage(stage, guest)
         test.serial_card(guest.folder)

@@ -18,7 +18,9 @@ def replay(guest, recording, *options):
     """Rows of `ninedot replay`, every frame by itself."""
     guest.write("/tmp/replay.toml", "[pose]\ntracking = false")
     command = " ".join(("ninedot replay", recording, "--config /tmp/replay.toml --out /tmp/replay.csv", *options))
-    return csv_rows(guest.check(f"{command} > /tmp/replay.log 2>&1 || {{ cat /tmp/replay.log; exit 1; }}; cat /tmp/replay.csv", 180))
+    return csv_rows(
+        guest.check(f"{command} > /tmp/replay.log 2>&1 || {{ cat /tmp/replay.log; exit 1; }}; cat /tmp/replay.csv", 180)
+    )
 
 
 def nearest_row(rows, registers):
@@ -59,8 +61,10 @@ class GuestService:
 
     def __enter__(self):
         self.guest.write("/tmp/ninedotd.toml", self.config)
-        self.guest.check("""sh -c 'ninedotd --config /tmp/ninedotd.toml; echo $? > /tmp/ninedotd.status' > /tmp/ninedotd.log 2>&1 &
-            rm -f /tmp/ninedotd.status""")
+        self.guest.check(
+            """sh -c 'ninedotd --config /tmp/ninedotd.toml; echo $? > /tmp/ninedotd.status' > /tmp/ninedotd.log 2>&1 &
+            rm -f /tmp/ninedotd.status"""
+        )
         self.client = None
         deadline = time.monotonic() + PATIENCE_S
         while True:
@@ -79,8 +83,10 @@ class GuestService:
     def __exit__(self, *exception):
         if self.client:
             self.client.__exit__()
-        self.guest.check("""killall -INT ninedotd 2> /dev/null
-            for _ in $(seq 100); do [ -s /tmp/ninedotd.status ] && break; sleep 0.1; done""")
+        self.guest.check(
+            """killall -INT ninedotd 2> /dev/null
+            for _ in $(seq 100); do [ -s /tmp/ninedotd.status ] && break; sleep 0.1; done"""
+        )
         self.exit_status = self.guest.check("cat /tmp/ninedotd.status 2> /dev/null || echo none")
         if not self.exit_status == "0" and exception[0] is None:
             raise AssertionError(f"ninedotd ended with status {self.exit_status}; its log:\n{self.log()}")
@@ -102,8 +108,10 @@ class GuestService:
             if condition(registers):
                 return registers, time.monotonic() - started
             if time.monotonic() - started > within_s:
-                raise AssertionError(f"not within {within_s:.0f} s: {what}; valid {registers.valid}, reason {registers.reason}, "
-                                     f"processed {registers.processed}; log:\n{self.log()}")
+                raise AssertionError(
+                    f"not within {within_s:.0f} s: {what}; valid {registers.valid}, reason {registers.reason}, "
+                    f"processed {registers.processed}; log:\n{self.log()}"
+                )
             time.sleep(0.01)
 
     def wait_for_frames(self, count):

@@ -20,13 +20,15 @@ class Vivid:
         """Everything that the driver forgets when it is unbound. Nobody may be streaming."""
         self.pixel_format = pixel_format
         fourcc = f"{pixel_format:<4}"  # "Y10 "
-        self.guest.check(f"""
+        self.guest.check(
+            f"""
             for node in {CAPTURE} {OUTPUT}; do v4l2-ctl -d $node --set-dv-bt-timings index={TIMINGS} > /dev/null || exit 1; done
             v4l2-ctl -d {OUTPUT} -x "{PIXELS},pixelformat={fourcc}" && v4l2-ctl -d {CAPTURE} -v "{PIXELS},pixelformat={fourcc}" || exit 1
             v4l2-ctl -d {CAPTURE} -c osd_text_mode=2
             # Kernels up to 6.9 have one switch, later ones a menu of which output an input hangs on: its choice 2 is the first output.
             if v4l2-ctl -d {CAPTURE} -L | grep -q loop_video; then v4l2-ctl -d {CAPTURE} -c loop_video=1
-            else v4l2-ctl -d {CAPTURE} -c hdmi_000_0_is_connected_to=2; fi""")
+            else v4l2-ctl -d {CAPTURE} -c hdmi_000_0_is_connected_to=2; fi"""
+        )
 
     def control(self, name, value):
         # v4l2-ctl's exit status says nothing about what the driver thought of it.
@@ -37,7 +39,8 @@ class Vivid:
     def play(self, file):
         """Over and over, until the next `play` or `stop`; on air when this returns. A player whose node vanishes is started again."""
         self.stop()
-        self.guest.check(f"""cat > /tmp/player.sh << 'end'
+        self.guest.check(
+            f"""cat > /tmp/player.sh << 'end'
 while :; do
   v4l2-ctl -d {OUTPUT} --stream-out-mmap 3 --stream-from={file} --stream-loop > /tmp/player.log 2>&1 < /dev/null &
   echo $! > /tmp/player.child
@@ -49,9 +52,12 @@ rm -f /tmp/player.log
 sh /tmp/player.sh > /dev/null 2>&1 & echo $! > /tmp/player.pid
 # v4l2-ctl writes a '>' for each frame that the driver has taken.
 for _ in $(seq 200); do grep -q '>' /tmp/player.log 2> /dev/null && exit 0; sleep 0.05; done
-cat /tmp/player.log; exit 1""")
+cat /tmp/player.log; exit 1"""
+        )
 
     def stop(self):
-        self.guest.check("""if [ -e /tmp/player.pid ]; then
+        self.guest.check(
+            """if [ -e /tmp/player.pid ]; then
             kill $(cat /tmp/player.pid); kill $(cat /tmp/player.child)
-            while kill -0 $(cat /tmp/player.child); do sleep 0.02; done; rm -f /tmp/player.pid; fi 2> /dev/null; true""")
+            while kill -0 $(cat /tmp/player.child); do sleep 0.02; done; rm -f /tmp/player.pid; fi 2> /dev/null; true"""
+        )
