@@ -11,6 +11,7 @@ from vivid import CAPTURE, RATE_HZ, Vivid
 STILL = "/media/stills/10.raw"
 CAMERA = "/tmp/camera"  # a link as udev makes them: where it leads is plugged in
 STALL_FRAMES = 30
+RATE_TOLERANCE = 0.15  # of a busy host; frames that nobody counts, or a wrap that counts as a gap, are far beyond it
 UNBIND, BIND = "/sys/bus/platform/drivers/vivid/unbind", "/sys/bus/platform/drivers/vivid/bind"
 
 
@@ -75,9 +76,10 @@ class Watch:
             raise failure[0]
 
     def frames_per_s(self):
-        """Processed, dropped and failed together. The counters are published now and then: from edge to edge."""
-        (first_at, first), (last_at, last) = self.sums[1], self.sums[-1]
-        return (last - first) / (last_at - first_at)
+        """Processed, dropped and failed together. The counters are published about once a second: the slope through the edges."""
+        edges = self.sums[1:]
+        middle_at, middle = (sum(values) / len(edges) for values in zip(*edges))
+        return sum((at - middle_at) * (total - middle) for at, total in edges) / sum((at - middle_at) ** 2 for at, _ in edges)
 
     def changed(self, name):
         return getattr(self.last, name) - getattr(self.before, name)
@@ -158,7 +160,7 @@ class FaultsStage:
             back_s,
         )
 
-    def stays_valid(self, service, check, title, start, end, seconds=3.0, restart=False):
+    def stays_valid(self, service, check, title, start, end, seconds=8.0, restart=False):
         """A disturbance that must cost nothing but frames."""
         self.settle(service)
         if restart:  # it takes effect when a stream starts
@@ -178,7 +180,7 @@ class FaultsStage:
         per_s = watch.frames_per_s()
         watch.during(end, self.guest)
         good = (
-            watch.lost_at is None and watch.changed("restarts") == 0 and abs(per_s - RATE_HZ) < 0.1 * RATE_HZ and max(ages) < 2000
+            watch.lost_at is None and watch.changed("restarts") == 0 and abs(per_s - RATE_HZ) < RATE_TOLERANCE * RATE_HZ and max(ages) < 2000
         )
         self.note(
             check,
@@ -291,7 +293,7 @@ class FaultsStage:
             "`wrap_sequence_number`: from 2^32 - 1 to 0",
             self.set("wrap_sequence_number", 1),
             self.set("wrap_sequence_number", 0),
-            seconds=5,
+            seconds=10,
             restart=True,
         )
         for bits, choice in ((32, 2), (64, 1)):  # the driver wraps 16 s after the stream's start

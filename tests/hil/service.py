@@ -73,11 +73,11 @@ class GuestService:
                 self.client = Client(port=self.guest.modbus_port).__enter__()
                 self.read()
                 return self
-            except Exception:
+            except Exception as error:
                 if self.client:
                     self.client.__exit__()
                 if self.ended() or time.monotonic() > deadline:
-                    raise AssertionError(f"ninedotd does not answer; its log:\n{self.log()}") from None
+                    raise AssertionError(f"ninedotd does not answer: {error!r}; its log:\n{self.log()}") from error
                 time.sleep(0.1)
 
     def __exit__(self, *exception):
