@@ -19,7 +19,7 @@ CHECKS = SMOKE_CHECKS = (
     "ends",
 )
 
-FRAMES_IN_FLIGHT = 8  # more than the driver's buffers: a frame processed so much later is of the new picture
+FRAMES_IN_FLIGHT = 6  # more than the driver's buffers: a frame processed so much later is of the new picture
 RECORDED = 60
 FREE_RUNNING_S = 8.0
 JUDGED = 6  # of the pictures of each format
