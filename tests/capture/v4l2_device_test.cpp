@@ -219,7 +219,7 @@ TEST(V4l2Device, WhatStandsInTheWayIsSaidInOneLine) {
             std::string::npos);
   EXPECT_EQ(refusal([](Bench& b) { b.kernel.capabilities = V4L2_CAP_VIDEO_CAPTURE; }),
             "offers no memory-mapped buffers");
-  for (const std::uint32_t unlocked : {V4L2_IN_ST_NO_H_LOCK, V4L2_IN_ST_NO_SYNC})
+  for (const std::uint32_t unlocked : {std::uint32_t{V4L2_IN_ST_NO_H_LOCK}, std::uint32_t{V4L2_IN_ST_NO_SYNC}})
     EXPECT_NE(refusal([&](Bench& b) { b.kernel.input_status = unlocked; }).find("locked on to"), std::string::npos);
   EXPECT_NE(refusal([](Bench& b) { b.kernel.input_status = V4L2_IN_ST_NO_SIGNAL; }).find("no signal"),
             std::string::npos);

@@ -24,7 +24,7 @@ RECORDED = 60
 FREE_RUNNING_S = 8.0
 JUDGED = 6  # of the pictures of each format
 SMOKE_FORMATS = ("YUYV", "NV12")
-SMOKE_STEP = 5  # of the stills
+SMOKE_STEP = 4  # of the stills
 ROW_OF_ITS_OWN = ("frame", "timestamp_ns", "process_us")
 
 
