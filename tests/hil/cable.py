@@ -10,6 +10,21 @@ import tty
 from guest import GuestFailed
 
 
+def connect_to(path):
+    """The other end of QEMU's character device."""
+    deadline = time.monotonic() + 10
+    while True:
+        line = socket.socket(socket.AF_UNIX)
+        try:
+            line.connect(os.fspath(path))
+            return line
+        except OSError as error:
+            line.close()
+            if time.monotonic() > deadline:
+                raise GuestFailed(f"QEMU's serial port does not take a connection: {error}") from None
+            time.sleep(0.05)
+
+
 class Cable:
     """Context manager. \\param path  the socket of QEMU's character device. `device` is what a Modbus master opens."""
 
@@ -32,17 +47,7 @@ class Cable:
             os.close(descriptor)
 
     def plug(self):
-        deadline = time.monotonic() + 10
-        while True:
-            self.line = socket.socket(socket.AF_UNIX)
-            try:
-                self.line.connect(os.fspath(self.path))
-                break
-            except OSError as error:
-                self.line.close()
-                if time.monotonic() > deadline:
-                    raise GuestFailed(f"QEMU's serial port does not take a connection: {error}") from None
-                time.sleep(0.05)
+        self.line = connect_to(self.path)
         self.thread = threading.Thread(target=self._carry, daemon=True)
         self.thread.start()
 

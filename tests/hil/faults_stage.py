@@ -180,7 +180,10 @@ class FaultsStage:
         per_s = watch.frames_per_s()
         watch.during(end, self.guest)
         good = (
-            watch.lost_at is None and watch.changed("restarts") == 0 and abs(per_s - RATE_HZ) < RATE_TOLERANCE * RATE_HZ and max(ages) < 2000
+            watch.lost_at is None
+            and watch.changed("restarts") == 0
+            and abs(per_s - RATE_HZ) < RATE_TOLERANCE * RATE_HZ
+            and max(ages) < 2000
         )
         self.note(
             check,

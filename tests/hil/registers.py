@@ -35,6 +35,7 @@ class Registers:
     failed = property(lambda self: self.uint32(65))
     restarts = property(lambda self: self.words[67])
     bus_errors = property(lambda self: self.uint32(75))
+    head_deg = property(lambda self: [(word - 0x10000 if word & 0x8000 else word) / 100 for word in self.words[37:39]])
     uptime_s = property(lambda self: self.uint32(73))
 
 

@@ -25,6 +25,7 @@ import faults_stage
 import libcamera_stage
 import serial_stage
 import servo_stage
+import visca_stage
 from guest import Guest
 from media import make_media
 
@@ -33,6 +34,7 @@ STAGES = {
     "faults": faults_stage,
     "serial": serial_stage,
     "servo": servo_stage,
+    "visca": visca_stage,
     "libcamera": libcamera_stage,
 }
 SMOKE_STAGES = ("camera", "faults")

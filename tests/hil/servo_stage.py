@@ -127,9 +127,8 @@ class ServoStage:
         return self.guest.run(f"ninedot aim --pan-deg {pan_deg} --tilt-deg {tilt_deg}")
 
     def head_of(self, service):
-        words = service.read().words
-        signed = [word - 65536 if word & 0x8000 else word for word in words[37:39]]
-        return signed[0] / 100, signed[1] / 100, words[4]
+        registers = service.read()
+        return *registers.head_deg, registers.word(4)
 
     def by_hand(self):
         service = GuestService(self.guest, self.config(scene=LANDMARK))
