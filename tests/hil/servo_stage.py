@@ -41,7 +41,7 @@ LANDMARK, NO_LANDMARK = 22, 33  # scenes: near the middle of the picture, and wi
 STATUS_LIMIT, STATUS_INHIBITED, STATUS_FAULT, STATUS_HAS_HEAD = 1 << 5, 1 << 11, 1 << 12, 1 << 13
 CALIBRATION = ((-30, 1900), (0, 1480), (30, 1150))
 # Under emulation every edge costs a tenth of a millisecond or two: this is about the right pulses, not about their accuracy.
-SHORTER_US, LONGER_US = 50, 500
+SHORTER_US, LONGER_US = 100, 600
 
 
 def steps_of(pulse_us):
@@ -306,7 +306,7 @@ class ServoStage:
                     good &= len(widths[axis]) > 50 and wanted - SHORTER_US < median < wanted + LONGER_US
                     rows.append((NAMES[axis], angle, len(widths[axis]), f"{median:.0f}", wanted))
             spans = [medians[axis, 30] - medians[axis, -30] for axis in (PAN_LINE, TILT_LINE)]
-            good &= all(400 < span < 800 for span in spans)
+            good &= all(300 < span < 1000 for span in spans)
             words = service.client.read(86, 2)
             self.stage.table(
                 "Software-made pulses, traced in the kernel for 2 s",
