@@ -270,5 +270,18 @@ TEST(DefaultConfiguration, SaysTheDefaultOfEveryKeyItNames) {
   EXPECT_FALSE(shipped.modbus_rtu.enabled);
 }
 
+TEST(DefaultConfiguration, CanBeUncommentedLineByLine) {
+  std::istringstream lines(file_text(std::string(NINEDOT_SOURCE_DIR) + "/systemd/ninedot.toml"));
+  std::string text;
+  int uncommented = 0;
+  for (std::string line; std::getline(lines, line); text += line + '\n') {
+    const bool is_setting =
+        line.starts_with("# ") && (line.find(" = ") != std::string::npos || line.starts_with("# ["));
+    if (is_setting) line.erase(0, 2), ++uncommented;
+  }
+  EXPECT_GT(uncommented, 30);
+  EXPECT_EQ(error_of(text), "no error") << text;
+}
+
 }  // namespace
 }  // namespace ninedot
