@@ -133,7 +133,7 @@ void draw_labels(Canvas& canvas, const Scene& scene) {
 }
 
 void draw_centroids(Canvas& canvas, const Scene& scene) {
-  if (scene.seen == nullptr) return;
+  if (scene.seen == nullptr || scene.seen->from_pose) return;
   for (const DotObservation& dot : scene.seen->dots) {
     if (!dot.seen) continue;
     const Vector2 at = canvas.at(dot.centroid_px);

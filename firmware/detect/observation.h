@@ -25,6 +25,7 @@ struct LandmarkObservation {
   /// removed. Good to about a pixel.
   Eigen::Matrix3d H_ray_plane = Eigen::Matrix3d::Identity();
   int seen_count = 0;
+  bool from_pose = false;  ///< computed from a pose that was found without looking for dots
 };
 
 }  // namespace ninedot

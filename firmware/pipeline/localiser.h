@@ -47,7 +47,8 @@ class Localiser final : public FrameProcessor {
   void process(const ImageView& luma, MonoTime exposed_at, std::uint64_t frame_number,
                Report& report) noexcept override;
 
-  /// The last landmark found, for overlays; null when the last frame showed none.
+  /// The last landmark found, for overlays; null when the last frame showed none. Where its outlines alone were
+  /// followed it says so (LandmarkObservation::from_pose).
   const LandmarkObservation* last_observation() const noexcept { return found_last_ ? &seen_ : nullptr; }
 
  private:

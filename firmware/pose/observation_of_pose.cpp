@@ -24,6 +24,7 @@ LandmarkObservation observation_of(const Transform<frame::Camera, frame::Landmar
                                    const std::array<double, kDotCount>& visible_share, const CameraModel& camera,
                                    const LandmarkGeometry& landmark) noexcept {
   LandmarkObservation seen;
+  seen.from_pose = true;
   seen.H_ray_plane << T_camera_landmark.rotation.col(0), T_camera_landmark.rotation.col(2),
       T_camera_landmark.translation_m;
   for (std::size_t i = 0; i < kDotCount; ++i) {

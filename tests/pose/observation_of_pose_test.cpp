@@ -28,6 +28,7 @@ TEST(ObservationOfPose, IsWhatTheDetectorSeesInThePicture) {
     visible[4] = 0.2;
     const LandmarkObservation expected = observation_of(T.inverse(), visible, CameraModel{}, LandmarkGeometry{});
     EXPECT_EQ(expected.seen_count, 8);
+    EXPECT_TRUE(expected.from_pose);
     EXPECT_FALSE(expected.dots[4].seen);
     for (std::size_t i = 0; i < kDotCount; ++i) {
       const DotObservation &a = expected.dots[i], &b = seen->dots[i];
