@@ -5,6 +5,7 @@
 #include <pthread.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 
 namespace ninedot {
@@ -116,7 +117,11 @@ bool ReopeningSource::try_open() noexcept {
     return true;
   } catch (const CameraRefused& refused) {
     const std::lock_guard lock(mutex_);
-    lost_ = Error{Errc::kCameraLost, refused.os_errno, "the camera can't be opened"};
+    // The system's own words for it are "Link has been severed".
+    lost_ =
+        refused.os_errno == ENOLINK
+            ? Error{Errc::kCameraLost, 0, "no usable signal at the camera's input: check cable, power and video mode"}
+            : Error{Errc::kCameraLost, refused.os_errno, "the camera can't be opened"};
     description_ = refused.what();
   } catch (const std::exception& failure) {
     const std::lock_guard lock(mutex_);

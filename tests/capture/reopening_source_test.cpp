@@ -26,6 +26,7 @@ class ScriptedDevice final : public CameraDevice {
     std::mutex mutex;
     std::deque<Answer> answers;  // empty: silence
     int refuse_openings = 0;
+    int refusal = ENODEV;
     std::chrono::milliseconds opening_takes{0};
     std::vector<MonoTime> openings;
     int closings = 0, lent = 0;
@@ -50,7 +51,7 @@ class ScriptedDevice final : public CameraDevice {
     script_.openings.push_back(mono_now());
     if (script_.refuse_openings > 0) {
       --script_.refuse_openings;
-      throw CameraRefused("/dev/scripted: no such camera", ENODEV);
+      throw CameraRefused("/dev/scripted: no such camera", script_.refusal);
     }
     script_.is_open = true;
   }
@@ -180,6 +181,25 @@ TEST(ReopeningSource, AFailingDeviceIsClosedAndOpenedAgainAndFrameNumbersGoOn) {
   }
   script.add(frame(1));
   EXPECT_EQ(source.next(mono_now() + 1s)->frame_number, 6U);
+}
+
+TEST(ReopeningSource, SaysInPlainWordsThatTheSignalIsMissing) {
+  Script script;
+  ReopeningSource source(std::make_unique<ScriptedDevice>(script), quick());
+  script.add(frame(1));
+  ask_until_frame(source);
+  {
+    const std::lock_guard lock(script.mutex);
+    script.refusal = ENOLINK;
+    script.refuse_openings = 1000;
+  }
+  script.add({.failure = Errc::kCameraLost, .os_errno = EPIPE});
+  std::string said;
+  for (const MonoTime give_up = mono_now() + 5s; mono_now() < give_up && said.find("signal") == std::string::npos;) {
+    const Result<FrameLease> lease = source.next(mono_now() + 5ms);
+    if (!lease) said = lease.error().text;
+  }
+  EXPECT_EQ(said, "no usable signal at the camera's input: check cable, power and video mode");
 }
 
 TEST(ReopeningSource, WhileTheCameraIsGoneTheCallerIsAnsweredInTimeEvenIfOpeningBlocks) {
