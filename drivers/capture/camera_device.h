@@ -7,6 +7,7 @@
 #include "base/mono_time.h"
 #include "base/result.h"
 #include "base/startup_error.h"
+#include "image/chroma_view.h"
 #include "image/image_view.h"
 
 namespace ninedot {
@@ -37,6 +38,7 @@ class CameraRefused : public StartupError {
 
 struct CapturedFrame {
   ImageView luma;              ///< valid until `release`
+  ChromaView chroma;           ///< likewise; empty where the camera gives no colour
   std::uint32_t buffer = 0;    ///< for `release`
   std::uint32_t sequence = 0;  ///< the device's count of frames, wraps; starts anew with each opening
   MonoTime exposed_at{};       ///< middle of the exposure

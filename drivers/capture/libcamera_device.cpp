@@ -157,6 +157,9 @@ class LibcameraDevice::Session {
     frame.exposed_at = exposure_of(*request);
     synchronise(frame.buffer, DMA_BUF_SYNC_START);
     frame.luma = luma_of(frame.buffer);
+    const Mapping& mapping = mappings_[frame.buffer];
+    frame.chroma = chroma_of(*format_, static_cast<const std::uint8_t*>(mapping.memory) + mapping.offset, stride_bytes_,
+                             request_.width_px, request_.height_px, mapping.bytes - mapping.offset);
     return frame;
   }
 
@@ -217,6 +220,11 @@ class LibcameraDevice::Session {
       Mapping mapping;
       mapping.offset = plane.offset == libcamera::FrameBuffer::Plane::kInvalidOffset ? 0 : plane.offset;
       mapping.bytes = mapping.offset + plane.length;
+      // Planes that lie together in one buffer are mapped together, for their colour.
+      const bool is_gapless = plane.length == stride_bytes_ * static_cast<std::size_t>(request_.height_px);
+      for (const libcamera::FrameBuffer::Plane& other : buffer->planes())
+        if (is_gapless && other.fd.get() == plane.fd.get() && other.offset == mapping.bytes)
+          mapping.bytes += other.length;
       mapping.fd = plane.fd.get();
       mapping.memory = ::mmap(nullptr, mapping.bytes, PROT_READ, MAP_SHARED, mapping.fd, 0);
       if (mapping.memory == MAP_FAILED) refuse("a buffer can't be mapped into memory", -errno);

@@ -134,4 +134,23 @@ void convert_to_luma(const PixelFormat& format, const std::uint8_t* pixels, std:
                 luma + static_cast<std::size_t>(y) * width);
 }
 
+ChromaView chroma_of(const PixelFormat& format, const std::uint8_t* pixels, std::size_t stride_bytes, int width_px,
+                     int height_px, std::size_t bytes) noexcept {
+  const auto stride = static_cast<std::ptrdiff_t>(stride_bytes);
+  const int width = (width_px + 1) / 2, half_height = (height_px + 1) / 2;
+  const std::size_t luma_bytes = stride_bytes * static_cast<std::size_t>(height_px);
+  const std::uint8_t* const behind = pixels + luma_bytes;
+  // Two pixels share a colour; one left over at the end of a row has none of its own.
+  if (format.layout == PixelLayout::kYuyv) return {pixels + 1, pixels + 3, width_px / 2, height_px, 4, stride};
+  if (format.layout == PixelLayout::kUyvy) return {pixels, pixels + 2, width_px / 2, height_px, 4, stride};
+  const bool in_pairs = format.name == "NV12" || format.name == "NV21";
+  if (!in_pairs && format.name != "YU12") return {};
+  // Pairs: rows as long as the luma's. Planes: half as long, all of Cb before Cr.
+  const std::size_t plane_bytes = (stride_bytes + 1) / 2 * static_cast<std::size_t>(half_height);
+  if (bytes < luma_bytes + 2 * plane_bytes) return {};
+  if (format.name == "NV12") return {behind, behind + 1, width, half_height, 2, stride};
+  if (format.name == "NV21") return {behind + 1, behind, width, half_height, 2, stride};
+  return {behind, behind + plane_bytes, width, half_height, 1, (stride + 1) / 2};
+}
+
 }  // namespace ninedot

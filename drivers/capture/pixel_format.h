@@ -10,6 +10,8 @@
 /// | RGGB, BGGR, GRBG, GBRG (8-bit Bayer) | (R + 2 G + B) / 4, by the kernel 1 2 1 / 2 4 2 / 1 2 1 at every pixel |
 /// | MJPG | the Y of the JPEG |
 ///
+/// The colour of NV12, NV21, YU12, YUYV and UYVY stays readable beside the luma: chroma_of.
+///
 /// The Bayer kernel weighs R : G : B as 1 : 2 : 1 wherever it stands, so one loop serves all four orders, edges do not
 /// move and a plain surface shows no pattern; the picture's borders are mirrored (reflect-101, which keeps the phase).
 /// A limited range of levels (16..235) is left as it is: the detector needs contrast, not absolute levels.
@@ -17,6 +19,8 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+
+#include "image/chroma_view.h"
 
 namespace ninedot {
 
@@ -43,5 +47,11 @@ std::size_t row_bytes(PixelLayout layout, int width_px) noexcept;
 /// Not for kJpeg (contract); Bayer needs at least 2 x 2 pixels (contract). Memory: none. Threads: pure.
 void convert_to_luma(const PixelFormat& format, const std::uint8_t* pixels, std::size_t stride_bytes, int width_px,
                      int height_px, std::uint8_t* luma) noexcept;
+
+/// The colour beside the luma, in the same memory. Empty where the format has none, and where `bytes` do not hold it.
+/// \param pixels  the first plane, the others right behind it \param bytes  readable from there on
+/// Memory: none. Threads: pure.
+ChromaView chroma_of(const PixelFormat& format, const std::uint8_t* pixels, std::size_t stride_bytes, int width_px,
+                     int height_px, std::size_t bytes) noexcept;
 
 }  // namespace ninedot

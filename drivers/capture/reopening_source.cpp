@@ -74,6 +74,7 @@ FrameLease ReopeningSource::lend(const CapturedFrame& frame) noexcept {
   }
   FrameLease lease(this, frame.buffer);
   lease.luma = frame.luma;
+  lease.chroma = frame.chroma;
   lease.frame_number = frame_number_;
   lease.exposed_at = frame.exposed_at;
   lease.dropped_before = passed - frame.flagged;

@@ -290,6 +290,7 @@ Result<CapturedFrame> V4l2Device::as_luma(const Taken& taken) noexcept {
   const auto* const pixels = static_cast<const std::uint8_t*>(mappings_[taken.buffer].memory);
   const int width = request_.width_px, height = request_.height_px;
   frame.luma = {pixels, width, height, static_cast<std::ptrdiff_t>(stride_bytes_)};
+  frame.chroma = chroma_of(*format_, pixels, stride_bytes_, width, height, taken.bytes);
   if (format_->layout != PixelLayout::kLumaPlane) {
     const std::size_t picture = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     std::uint8_t* const luma = luma_.data() + taken.buffer * picture;

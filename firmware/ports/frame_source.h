@@ -6,6 +6,7 @@
 
 #include "base/mono_time.h"
 #include "base/result.h"
+#include "image/chroma_view.h"
 #include "image/image_view.h"
 
 namespace ninedot {
@@ -30,7 +31,7 @@ class FrameLease {
       release();
       owner_ = std::exchange(other.owner_, nullptr);
       buffer_ = other.buffer_;
-      luma = other.luma, frame_number = other.frame_number, exposed_at = other.exposed_at,
+      luma = other.luma, chroma = other.chroma, frame_number = other.frame_number, exposed_at = other.exposed_at,
       dropped_before = other.dropped_before;
       pan_rad = other.pan_rad, tilt_rad = other.tilt_rad;
     }
@@ -39,6 +40,7 @@ class FrameLease {
   ~FrameLease() { release(); }
 
   ImageView luma;                    ///< valid while the lease lives
+  ChromaView chroma;                 ///< likewise; empty where the source gives no colour
   std::uint64_t frame_number = 0;    ///< the source's own count (a recording's frame number; a camera's sequence)
   MonoTime exposed_at{};             ///< middle of the exposure
   std::uint32_t dropped_before = 0;  ///< frames lost since the one before: skipped by the source or by newest-wins

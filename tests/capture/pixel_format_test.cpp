@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <random>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace ninedot {
@@ -94,6 +97,33 @@ TEST(PixelFormat, APlainColouredSurfaceHasOneLumaInEveryBayerOrderUpToTheBorders
     convert_to_luma(*find_pixel_format(name), pixels.data(), kSize, kSize, kSize, luma.data());
     for (const std::uint8_t value : luma) ASSERT_EQ(value, (red + 2 * green + blue + 2) / 4) << name;
   }
+}
+
+TEST(PixelFormat, TheColourIsWhereTheFormatsDefinitionPutsIt) {
+  constexpr int kWidth = 6, kHeight = 4;
+  constexpr std::size_t kStride = 16;
+  std::vector<std::uint8_t> pixels(kStride * kHeight * 3 / 2);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i);
+  constexpr std::size_t kBehind = kStride * kHeight, kPlane = kStride / 2 * kHeight / 2;
+  // Where Cb and Cr of sample (2, 1) are.
+  const std::map<std::string, std::pair<std::size_t, std::size_t>> places{
+      {"NV12", {kBehind + kStride + 4, kBehind + kStride + 5}},
+      {"NV21", {kBehind + kStride + 5, kBehind + kStride + 4}},
+      {"YU12", {kBehind + kStride / 2 + 2, kBehind + kPlane + kStride / 2 + 2}},
+      {"YUYV", {kStride + 9, kStride + 11}},
+      {"UYVY", {kStride + 8, kStride + 10}}};
+  for (const PixelFormat& format : pixel_formats()) {
+    const ChromaView chroma = chroma_of(format, pixels.data(), kStride, kWidth, kHeight, pixels.size());
+    const auto place = places.find(std::string(format.name));
+    EXPECT_EQ(chroma.empty(), place == places.end()) << format.name;
+    if (place == places.end()) continue;
+    EXPECT_EQ(chroma.cb_at(2, 1), pixels[place->second.first]) << format.name;
+    EXPECT_EQ(chroma.cr_at(2, 1), pixels[place->second.second]) << format.name;
+    EXPECT_EQ(chroma.width, kWidth / 2);
+    EXPECT_EQ(chroma.height, format.layout == PixelLayout::kLumaPlane ? kHeight / 2 : kHeight);
+  }
+  const PixelFormat& nv12 = *find_pixel_format("NV12");
+  EXPECT_TRUE(chroma_of(nv12, pixels.data(), kStride, kWidth, kHeight, pixels.size() - 1).empty()) << "too short";
 }
 
 TEST(PixelFormat, NamesAndCodesAreUnique) {

@@ -79,6 +79,25 @@ TEST(V4l2Device, LendsTheDriversOwnBufferOfLumaAndTakesItBack) {
   EXPECT_EQ(bench.kernel.mapped, 0);
 }
 
+TEST(V4l2Device, LeavesTheColourReadableBesideTheLuma) {
+  for (const char* const name : {"NV12", "YU12", "YUYV"}) {
+    Bench bench(find_pixel_format(name)->fourcc);
+    V4l2Device& device = bench.opened();
+    bench.kernel.deliver({.stamp = mono_now()}, 90);
+    const Result<CapturedFrame> frame = device.grab(mono_now() + 1s);
+    ASSERT_TRUE(frame) << name;
+    ASSERT_FALSE(frame->chroma.empty()) << name;
+    const std::vector<std::uint8_t>& memory = bench.kernel.memory[frame->buffer];
+    EXPECT_EQ(frame->chroma.cr_at(frame->chroma.width - 1, frame->chroma.height - 1), 90) << name;
+    EXPECT_LT(&frame->chroma.cr[frame->chroma.stride_bytes * (frame->chroma.height - 1)],
+              memory.data() + memory.size());
+  }
+  Bench grey;
+  V4l2Device& device = grey.opened();
+  grey.kernel.deliver({.stamp = mono_now()});
+  EXPECT_TRUE(device.grab(mono_now() + 1s)->chroma.empty());
+}
+
 TEST(V4l2Device, ConvertsOtherFormatsIntoItsOwnMemory) {
   for (const char* const name : {"YUYV", "UYVY", "Y10", "Y12", "Y16", "Y10P", "Y12P", "RGGB", "BGGR", "GRBG", "GBRG"}) {
     Bench bench(find_pixel_format(name)->fourcc);
