@@ -24,8 +24,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kAnswerTakes = 2s;    // from the command to its acknowledge
-constexpr int kStandsStill = 6;      // reads, 50 ms apart: slower than any frame rate that a head can follow
+constexpr auto kAnswerTakes = 2s;  // from the command to its acknowledge
+constexpr int kStandsStill = 20;   // reads, 50 ms apart: heads on serial lines tell where they stand ten times a second
 constexpr double kThere_deg = 0.15;  // the registers' own step is 0.01 deg; servos are calibrated no better
 
 struct AimArguments {

@@ -160,6 +160,7 @@ class ViscaStage:
         self.stage.ok("angles", good, f"{len(rows)} positions, right to the camera's own step, and read back")
         self.aim(120, -60)
         service.wait_for(lambda registers: registers.word(4) & STATUS_LIMIT, "the status bit servo_limit", 10)
+        time.sleep(SETTLES_S)
         self.stage.ok("limit", self.stands_at(90, -25), "120 and -60 deg: stays at 90 and -25, servo_limit is set")
 
     def lost_and_back(self, service, check, what, lose, bring_back):
