@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <ctime>
+#include <latch>
 
 #include "base/contract.h"
 #include "drivers/servo/sysfs_pwm.h"
@@ -33,7 +34,14 @@ GpioPanTilt::GpioPanTilt(std::unique_ptr<DigitalOutput> pan, std::unique_ptr<Dig
     : pan_line_(std::move(pan)), tilt_line_(std::move(tilt)), options_(options), axes_(axes) {
   EXPECTS(options.period > std::chrono::milliseconds(4));
   move_to(neutral);
-  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  std::latch entered(1);
+  thread_ = std::jthread([this, &entered](const std::stop_token& stop) {
+    pthread_setname_np(pthread_self(), "servo pulses");
+    realtime_refused_ = ask_for_priority(options_.realtime_priority);
+    entered.count_down();
+    run(stop);
+  });
+  entered.wait();  // realtime_refused() has its answer now
 }
 
 GpioPanTilt::~GpioPanTilt() {
@@ -69,8 +77,6 @@ bool GpioPanTilt::try_pulse(DigitalOutput& line, MonoTime at, std::chrono::nanos
 }
 
 void GpioPanTilt::run(const std::stop_token& stop) noexcept {
-  pthread_setname_np(pthread_self(), "servo pulses");
-  realtime_refused_.store(ask_for_priority(options_.realtime_priority));
   MonoTime begin = mono_now();
   while (!stop.stop_requested()) {
     const std::chrono::nanoseconds pan(pan_ns_.load(std::memory_order_relaxed));

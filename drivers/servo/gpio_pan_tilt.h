@@ -34,7 +34,7 @@ class GpioPanTilt final : public PanTilt {
   HeadState state() const noexcept override;
 
   /// The errno with which real-time priority was refused; 0: granted, or not asked for.
-  int realtime_refused() const noexcept { return realtime_refused_.load(); }
+  int realtime_refused() const noexcept { return realtime_refused_; }
 
  private:
   void run(const std::stop_token& stop) noexcept;
@@ -47,7 +47,7 @@ class GpioPanTilt final : public PanTilt {
   HeadState state_;  // of the caller
   std::atomic<std::int64_t> pan_ns_{0}, tilt_ns_{0};
   std::atomic<bool> failed_{false};
-  std::atomic<int> realtime_refused_{0};
+  int realtime_refused_ = 0;  // written before the constructor ends
   PulseErrors errors_;
   std::jthread thread_;  // last: ends before anything it uses
 };

@@ -8,7 +8,6 @@
 /// which agrees with the 48.8 deg of horizontal view at the wide end on p. 54 of the EVI-D70's manual.
 #include <array>
 
-#include "drivers/servo/servo_axis.h"
 #include "drivers/servo/visca_zoom_table.h"
 
 namespace ninedot {
@@ -19,8 +18,5 @@ inline constexpr int kEviD31MaxZoom = 0x3FF;
 
 /// The two ends that are documented. Between them the lens does not follow a straight line: measure what you use.
 inline constexpr std::array<ZoomPoint, 2> kEviD31Zoom = {{{0, 5.4}, {kEviD31MaxZoom, 64.8}}};
-
-/// Our pan is positive to the left, the camera's to the right.
-ServoAxes evi_d31_axes() noexcept;
 
 }  // namespace ninedot

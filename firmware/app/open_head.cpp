@@ -47,18 +47,21 @@ std::unique_ptr<PanTilt> open_gpio(const PanTiltConfig& config, std::string& des
   return head;
 }
 
-std::unique_ptr<PanTilt> open_visca(const PanTiltConfig& config) {
+std::unique_ptr<PanTilt> open_visca(const PanTiltConfig& config, std::string& description) {
   ViscaOptions options;
   options.device = config.device;
   options.address = config.address;
   if (config.zoom >= 0) options.zoom = config.zoom;
-  return std::make_unique<ViscaPanTilt>(options, servo_axes(config), aim_options(config).neutral);
+  auto head = std::make_unique<ViscaPanTilt>(options, servo_axes(config), aim_options(config).neutral);
+  if (const auto focal_length_mm = head->focal_length_mm())
+    description += fmt::format(", zoom {} (f = {:.1f} mm)", head->zoom().value_or(config.zoom), *focal_length_mm);
+  return head;
 }
 
 std::unique_ptr<PanTilt> open_servos(const PanTiltConfig& config, std::string& description) {
   if (config.driver == "sysfs-pwm") return open_sysfs_pwm(config);
   if (config.driver == "gpio") return open_gpio(config, description);
-  if (config.driver == "visca") return open_visca(config);
+  if (config.driver == "visca") return open_visca(config, description);
   EXPECTS(config.driver == "simulated");
   return std::make_unique<SimulatedPanTilt>(servo_axes(config), aim_options(config).neutral);
 }

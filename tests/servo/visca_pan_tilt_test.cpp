@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/startup_error.h"
+#include "tests/servo/visca_axes.h"
 #include "tests/servo/visca_emulated_camera.h"
 #include "tests/support/allocation_counter.h"
 
@@ -56,7 +57,7 @@ bool gets_to(const ViscaPanTilt& head, const HeadAngles& angles) {
 
 std::string refusal(const ViscaOptions& options, ExitStatus status) {
   try {
-    const ViscaPanTilt head(options, evi_d31_axes(), {});
+    const ViscaPanTilt head(options, test::evi_d31_axes(), {});
   } catch (const StartupError& error) {
     EXPECT_EQ(error.status, status);
     const std::string line = error.what();
@@ -74,7 +75,7 @@ bool is_cancel(const ViscaBytes& packet) { return packet.size() == 3; }
 
 TEST(ViscaPanTilt, SetsAddressesClearsBuffersAsksForThePositionAndGoesToNeutral) {
   EmulatedViscaCamera camera;
-  const ViscaPanTilt head(options_for(camera), evi_d31_axes(), angles_deg(-10, 5));
+  const ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), angles_deg(-10, 5));
   EXPECT_FALSE(head.state().failed);
   EXPECT_TRUE(gets_to(head, angles_deg(-10, 5)));
   const std::vector<ViscaBytes> heard = camera.heard();
@@ -87,7 +88,7 @@ TEST(ViscaPanTilt, SetsAddressesClearsBuffersAsksForThePositionAndGoesToNeutral)
 
 TEST(ViscaPanTilt, TurnsLeftAndUpForPositiveAngles) {
   EmulatedViscaCamera camera;
-  ViscaPanTilt head(options_for(camera), evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
   head.move_to(angles_deg(100, 25));
   EXPECT_TRUE(gets_to(head, angles_deg(100, 25)));
   EXPECT_EQ(camera.pan_steps(), -880);  // steps count to the right
@@ -97,7 +98,7 @@ TEST(ViscaPanTilt, TurnsLeftAndUpForPositiveAngles) {
 
 TEST(ViscaPanTilt, SaturatesBeyondItsLimitsAndSaysSo) {
   EmulatedViscaCamera camera;
-  ViscaPanTilt head(options_for(camera), evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
   head.move_to(angles_deg(-140, 0));
   EXPECT_TRUE(head.state().limited);
   head.move_to(angles_deg(-140, 80));
@@ -112,7 +113,7 @@ TEST(ViscaPanTilt, SaturatesBeyondItsLimitsAndSaysSo) {
 TEST(ViscaPanTilt, ReportsWhereTheHeadIsWhileItMoves) {
   EmulatedViscaCamera camera;
   camera.hurry = 1;
-  ViscaPanTilt head(options_for(camera), evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
   head.move_to(angles_deg(60, 0));  // 0.75 s at 80 deg/s
   double last_rad = -1;
   int positions = 0;
@@ -128,7 +129,7 @@ TEST(ViscaPanTilt, ReportsWhereTheHeadIsWhileItMoves) {
 
 TEST(ViscaPanTilt, FollowsTheNewestOfManyTargets) {
   EmulatedViscaCamera camera;
-  ViscaPanTilt head(options_for(camera), evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
   for (int i = 0; i <= 1000; ++i) {
     head.move_to(angles_deg(50 * std::sin(i * 0.01), 20 * std::cos(i * 0.01)));
     std::this_thread::sleep_for(500us);
@@ -144,7 +145,7 @@ TEST(ViscaPanTilt, GetsThereWithACameraThatTakesOneMotionAtATime) {
   EmulatedViscaCamera camera;
   camera.hurry = 1;
   camera.faults.one_motion_only = true;
-  ViscaPanTilt head(options_for(camera), evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
   bool failed = false;
   for (int i = 1; i <= 40; ++i) {
     head.move_to(angles_deg(i, 0));
@@ -159,7 +160,7 @@ TEST(ViscaPanTilt, GetsThereWithACameraThatTakesOneMotionAtATime) {
 TEST(ViscaPanTilt, NeverMakesItsCallerWaitOrAllocate) {
   EmulatedViscaCamera camera;
   camera.reply_delay = 60ms;
-  ViscaPanTilt head(options_for(camera), evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
   camera.faults.silent = true;
   const auto begun = std::chrono::steady_clock::now();
   {
@@ -179,7 +180,7 @@ TEST(ViscaPanTilt, NeverMakesItsCallerWaitOrAllocate) {
 TEST(ViscaPanTilt, StopEndsAMotionOnItsWay) {
   EmulatedViscaCamera camera;
   camera.hurry = 1;
-  ViscaPanTilt head(options_for(camera), evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
   head.move_to(angles_deg(90, 0));
   ASSERT_TRUE(eventually([&] { return camera.pan_steps() < -50; }));
   head.stop();
@@ -197,7 +198,7 @@ TEST(ViscaPanTilt, HasFailedASecondAfterTheCameraFellSilentAndRecovers) {
   EmulatedViscaCamera camera;
   ViscaOptions options;
   options.device = camera.device();
-  ViscaPanTilt head(options, evi_d31_axes(), angles_deg(3, 3));
+  ViscaPanTilt head(options, test::evi_d31_axes(), angles_deg(3, 3));
   ASSERT_TRUE(gets_to(head, angles_deg(3, 3)));
   const auto silent_at = std::chrono::steady_clock::now();
   camera.faults.silent = true;
@@ -217,7 +218,7 @@ TEST(ViscaPanTilt, KeepsGoingThroughNoiseHalfPacketsAndLostPackets) {
   camera.faults.noise = true;
   camera.faults.in_pieces = true;
   camera.faults.lost_packets_percent = 10;
-  ViscaPanTilt head(options_for(camera), evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
   for (int i = 1; i <= 20; ++i) {
     const HeadAngles target = angles_deg(i % 2 == 0 ? 40 : -40, i);
     head.move_to(target);
@@ -227,7 +228,7 @@ TEST(ViscaPanTilt, KeepsGoingThroughNoiseHalfPacketsAndLostPackets) {
 
 TEST(ViscaPanTilt, HasFailedWhileMotionsAreRefused) {
   EmulatedViscaCamera camera;
-  ViscaPanTilt head(options_for(camera), evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
   ASSERT_TRUE(gets_to(head, {}));
   camera.faults.not_executable = true;
   head.move_to(angles_deg(5, 5));
@@ -250,7 +251,7 @@ TEST(ViscaPanTilt, HasFailedWhileMotionsAreRefused) {
 
 TEST(ViscaPanTilt, ComesBackAfterTheAdapterWasPulledOut) {
   EmulatedViscaCamera camera;
-  ViscaPanTilt head(options_for(camera), evi_d31_axes(), angles_deg(10, 0));
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), angles_deg(10, 0));
   ASSERT_TRUE(gets_to(head, angles_deg(10, 0)));
   for (int round = 0; round < 3; ++round) {
     camera.unplug();
@@ -267,7 +268,7 @@ TEST(ViscaPanTilt, SetsAddressesZoomAndTargetAgainAfterAPowerCut) {
   EmulatedViscaCamera camera;
   ViscaOptions options = options_for(camera);
   options.zoom = 500;
-  ViscaPanTilt head(options, evi_d31_axes(), angles_deg(10, 0));
+  ViscaPanTilt head(options, test::evi_d31_axes(), angles_deg(10, 0));
   ASSERT_TRUE(gets_to(head, angles_deg(10, 0)));
   camera.power_cycle();
   EXPECT_TRUE(eventually([&] { return camera.zoom() == 500 && camera.pan_steps() == -88; }));
@@ -279,7 +280,7 @@ TEST(ViscaPanTilt, SetsTheZoomAndKnowsItsFocalLength) {
   ViscaOptions options = options_for(camera);
   options.zoom = 400;
   options.zoom_table = {{0, 5.4}, {300, 8.0}, {500, 16.0}, {1023, 64.8}};
-  const ViscaPanTilt head(options, evi_d31_axes(), {});
+  const ViscaPanTilt head(options, test::evi_d31_axes(), {});
   EXPECT_EQ(head.zoom(), 400);
   ASSERT_TRUE(head.focal_length_mm());
   EXPECT_DOUBLE_EQ(*head.focal_length_mm(), 12.0);
@@ -288,7 +289,7 @@ TEST(ViscaPanTilt, SetsTheZoomAndKnowsItsFocalLength) {
 
 TEST(ViscaPanTilt, LeavesTheZoomAloneWhereNoneIsWanted) {
   EmulatedViscaCamera camera;
-  const ViscaPanTilt head(options_for(camera), evi_d31_axes(), {});
+  const ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
   EXPECT_FALSE(head.zoom());
   EXPECT_FALSE(head.focal_length_mm());
   EXPECT_EQ(count_of(camera.heard(), [](const ViscaBytes& packet) { return packet.size() == 9; }), 0U);
@@ -298,7 +299,7 @@ TEST(ViscaPanTilt, TalksToTheSecondOfThreeCameras) {
   EmulatedViscaCamera camera;
   camera.cameras = 3;
   camera.address = 2;
-  ViscaPanTilt head(options_for(camera), evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
   head.move_to(angles_deg(20, 5));
   EXPECT_TRUE(gets_to(head, angles_deg(20, 5)));
 }
@@ -307,7 +308,7 @@ TEST(ViscaPanTilt, EndsAtOnceWhateverTheCameraDoes) {
   EmulatedViscaCamera camera;
   ViscaOptions options = options_for(camera);
   options.reply_timeout = options.answer_timeout = 30s;
-  auto head = std::make_unique<ViscaPanTilt>(options, evi_d31_axes(), HeadAngles{});
+  auto head = std::make_unique<ViscaPanTilt>(options, test::evi_d31_axes(), HeadAngles{});
   camera.faults.silent = true;
   head->move_to(angles_deg(1, 1));
   auto begun = std::chrono::steady_clock::now();
@@ -316,7 +317,7 @@ TEST(ViscaPanTilt, EndsAtOnceWhateverTheCameraDoes) {
 
   camera.faults.silent = false;
   options.first_reopen_wait = options.longest_reopen_wait = 30s;
-  head = std::make_unique<ViscaPanTilt>(options, evi_d31_axes(), HeadAngles{});
+  head = std::make_unique<ViscaPanTilt>(options, test::evi_d31_axes(), HeadAngles{});
   camera.unplug();
   ASSERT_TRUE(eventually([&] { return head->state().failed; }));
   begun = std::chrono::steady_clock::now();
@@ -409,7 +410,7 @@ TEST(ViscaPanTilt, AsksTenTimesASecondAlsoWhenEveryFrameHasATarget) {
   camera.at_9600_baud = true;
   ViscaOptions options;
   options.device = camera.device();
-  ViscaPanTilt head(options, evi_d31_axes(), {});
+  ViscaPanTilt head(options, test::evi_d31_axes(), {});
   ASSERT_TRUE(gets_to(head, {}));
   camera.forget_heard();
   const auto begun = std::chrono::steady_clock::now();

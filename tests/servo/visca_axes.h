@@ -1,12 +1,15 @@
-#include "drivers/servo/visca_evi_d31.h"
-
+#pragma once
+/// The axes of an EVI-D31 over its whole range.
+#include <array>
 #include <numbers>
 
-namespace ninedot {
-namespace {
+#include "drivers/servo/servo_axis.h"
+#include "drivers/servo/visca_evi_d31.h"
+
+namespace ninedot::test {
 
 /// \param end_steps  where the axis stands at +max_deg
-ServoAxis symmetric_axis(double max_deg, int end_steps) noexcept {
+inline ServoAxis symmetric_axis(double max_deg, int end_steps) noexcept {
   const double max_rad = max_deg * std::numbers::pi / 180;
   const std::array<AxisPoint, 2> points = {
       {{-max_rad, static_cast<double>(-end_steps)}, {max_rad, static_cast<double>(end_steps)}}};
@@ -14,11 +17,10 @@ ServoAxis symmetric_axis(double max_deg, int end_steps) noexcept {
   return {points, -limit, limit};
 }
 
-}  // namespace
-
-ServoAxes evi_d31_axes() noexcept {
+/// The camera's whole range. Our pan is positive to the left, the camera's to the right.
+inline ServoAxes evi_d31_axes() noexcept {
   return {symmetric_axis(kEviD31MaxPan_deg, -kEviD31MaxPanSteps),
           symmetric_axis(kEviD31MaxTilt_deg, kEviD31MaxTiltSteps)};
 }
 
-}  // namespace ninedot
+}  // namespace ninedot::test
