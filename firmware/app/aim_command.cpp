@@ -4,10 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <cerrno>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,9 +13,8 @@
 #include <utility>
 
 #include "app/commands.h"
-#include "app/status_view.h"
+#include "app/service_client.h"
 #include "base/startup_error.h"
-#include "drivers/modbus/client.h"
 
 namespace ninedot {
 namespace {
@@ -36,44 +33,7 @@ struct AimArguments {
   double wait_s = 10;
 };
 
-[[noreturn]] void fail(const AimArguments& arguments, const std::string& what) {
-  throw StartupError(ExitStatus::kWorkFailed, fmt::format("{} port {}: {}", arguments.host, arguments.port, what));
-}
-
-class Service {
- public:
-  explicit Service(const AimArguments& arguments) : arguments_(arguments), client_(connect(arguments)) {}
-
-  RegisterReader read() {
-    if (const Result<void> done = client_.read_registers(0, registers_); !done)
-      fail(arguments_, fmt::format("{}: {}", done.error().text, std::strerror(done.error().os_errno)));
-    const RegisterReader reader = make_reader(registers_);
-    if (!reader.is_ninedot()) fail(arguments_, "that is no ninedotd of this version: check --host and --port");
-    return reader;
-  }
-
-  void write(std::uint16_t address, std::span<const std::uint16_t> values) {
-    if (const Result<void> done = client_.write_registers(address, values); !done)
-      fail(arguments_, fmt::format("the command was refused ({}): another one may be under way",
-                                   std::strerror(done.error().os_errno)));
-  }
-
- private:
-  static ModbusTcpClient connect(const AimArguments& arguments) {
-    Result<ModbusTcpClient> client = ModbusTcpClient::connect(arguments.host, arguments.port, 2s);
-    if (!client)
-      fail(arguments,
-           fmt::format("no service answers ({}): is ninedotd running, with [modbus.tcp] in its configuration?",
-                       std::strerror(client.error().os_errno)));
-    return std::move(*client);
-  }
-
-  const AimArguments& arguments_;
-  ModbusTcpClient client_;
-  RegisterBlock registers_{};
-};
-
-void send(Service& service, const AimArguments& arguments, const RegisterReader& before) {
+void send(ServiceClient& service, const AimArguments& arguments, const RegisterReader& before) {
   const auto set_point = [&](std::uint16_t address, const std::optional<double>& wanted_deg, std::uint16_t now) {
     std::array<std::uint16_t, 1> word{};
     encode_value(*find_register(address), wanted_deg.value_or(before.value(now)), {}, word);
@@ -89,7 +49,7 @@ void send(Service& service, const AimArguments& arguments, const RegisterReader&
   service.write(reg::kCommand, std::array<std::uint16_t, 2>{code, sequence});
   const auto until = std::chrono::steady_clock::now() + kAnswerTakes;
   while (service.read().integer(reg::kCommandAcknowledge) != sequence) {
-    if (std::chrono::steady_clock::now() > until) fail(arguments, "the command was taken, but is not finished");
+    if (std::chrono::steady_clock::now() > until) service.fail("the command was taken, but is not finished");
     std::this_thread::sleep_for(20ms);
   }
 }
@@ -105,7 +65,7 @@ std::string place_text(const RegisterReader& r) {
   return fmt::format("pan {:.2f} deg, tilt {:.2f} deg", r.value(reg::kPan), r.value(reg::kTilt));
 }
 
-void wait_until_there(Service& service, const AimArguments& arguments) {
+void wait_until_there(ServiceClient& service, const AimArguments& arguments) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(arguments.wait_s);
   const bool is_terminal = ::isatty(STDERR_FILENO) != 0;
   std::string before;
@@ -120,11 +80,11 @@ void wait_until_there(Service& service, const AimArguments& arguments) {
     if (is_terminal && (arrived || late)) fmt::print(stderr, "\r{:40}\r", "");
     if (arrived) return fmt::print("{}\n", place_text(r));
     if (late)
-      fail(arguments, fmt::format("the head stands at {}{}", place_text(r),
-                                  r.status(status_bit::kInhibited)    ? ": the inhibit input keeps it there"
-                                  : r.status(status_bit::kServoFault) ? ": it does not answer"
-                                  : r.status(status_bit::kServoLimit) ? ", the end of its range"
-                                                                      : " and is not there yet"));
+      service.fail(fmt::format("the head stands at {}{}", place_text(r),
+                               r.status(status_bit::kInhibited)    ? ": the inhibit input keeps it there"
+                               : r.status(status_bit::kServoFault) ? ": it does not answer"
+                               : r.status(status_bit::kServoLimit) ? ", the end of its range"
+                                                                   : " and is not there yet"));
     std::this_thread::sleep_for(50ms);
   }
 }
@@ -132,11 +92,11 @@ void wait_until_there(Service& service, const AimArguments& arguments) {
 void run_aim(const AimArguments& arguments) {
   if (arguments.follow == (arguments.pan_deg || arguments.tilt_deg))
     throw StartupError(ExitStatus::kWrongUsage, "say either --follow, or where to: --pan-deg and --tilt-deg");
-  Service service(arguments);
+  ServiceClient service(arguments.host, arguments.port);
   const RegisterReader before = service.read();
-  if (!before.status(status_bit::kHasHead)) fail(arguments, "the service has no head: set pan_tilt.driver");
+  if (!before.status(status_bit::kHasHead)) service.fail("the service has no head: set pan_tilt.driver");
   if (!before.status(status_bit::kWritesEnabled))
-    fail(arguments, "the service takes no commands: set modbus.allow_writes = true");
+    service.fail("the service takes no commands: set modbus.allow_writes = true");
   send(service, arguments, before);
   if (arguments.follow) return fmt::print("the head follows the landmark\n");
   if (arguments.wait_s > 0) wait_until_there(service, arguments);

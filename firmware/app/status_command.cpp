@@ -1,19 +1,15 @@
 // `ninedot status`: what a running service says about itself, asked like any other Modbus client.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <chrono>
-#include <cstring>
 #include <memory>
 #include <string>
 
 #include "app/commands.h"
 #include "app/live_display.h"
+#include "app/service_client.h"
 #include "app/status_view.h"
-#include "base/startup_error.h"
-#include "drivers/modbus/client.h"
 #include "drivers/posix/signals.h"
 
 namespace ninedot {
@@ -27,46 +23,25 @@ struct StatusArguments {
   bool watch = false, json = false;
 };
 
-RegisterBlock read_service(ModbusTcpClient& client, const StatusArguments& arguments) {
-  RegisterBlock registers{};
-  if (const Result<void> read = client.read_registers(0, registers); !read)
-    throw StartupError(ExitStatus::kWorkFailed, fmt::format("{} port {}: {}: {}", arguments.host, arguments.port,
-                                                            read.error().text, std::strerror(read.error().os_errno)));
-  if (!RegisterReader(registers).is_ninedot())
-    throw StartupError(
-        ExitStatus::kWorkFailed,
-        fmt::format("{} port {}: that is no ninedotd of this version (registers 0 and 1 read {:#06x} and "
-                    "{}): check --host and --port",
-                    arguments.host, arguments.port, registers[0], registers[1]));
-  return registers;
-}
-
-void watch(ModbusTcpClient& client, const StatusArguments& arguments) {
+void watch(ServiceClient& service, const StatusArguments& arguments) {
   const TerminationSignals signals;
   LiveDisplay display(stdout, {"", "Ctrl-C ends"});
   while (signals.wait(50ms) == 0 && std::ferror(stdout) == 0) {
-    const RegisterBlock registers = read_service(client, arguments);
+    const RegisterReader reader = service.read();
     if (arguments.json) {
-      fmt::print("{}\n", status_json(make_reader(registers)));
+      fmt::print("{}\n", status_json(reader));
       std::fflush(stdout);
       if (signals.wait(950ms) != 0) break;
     } else {
-      display.show(make_reader(registers), {}, mono_now());
+      display.show(reader, {}, mono_now());
     }
   }
 }
 
 void run_status(const StatusArguments& arguments) {
-  Result<ModbusTcpClient> client = ModbusTcpClient::connect(arguments.host, arguments.port, 2s);
-  if (!client)
-    throw StartupError(
-        ExitStatus::kWorkFailed,
-        fmt::format("no service answers at {} port {} ({}): is ninedotd running, with [modbus.tcp] in its "
-                    "configuration?",
-                    arguments.host, arguments.port, std::strerror(client.error().os_errno)));
-  if (arguments.watch) return watch(*client, arguments);
-  const RegisterBlock registers = read_service(*client, arguments);
-  const RegisterReader reader = make_reader(registers);
+  ServiceClient service(arguments.host, arguments.port);
+  if (arguments.watch) return watch(service, arguments);
+  const RegisterReader reader = service.read();
   fmt::print("{}", arguments.json ? status_json(reader) + "\n" : status_table(reader));
 }
 
