@@ -7,11 +7,11 @@
 #include <numbers>
 
 #include "base/contract.h"
+#include "base/units.h"
 
 namespace ninedot {
 namespace {
 
-constexpr double kDegPerRad = 180 / std::numbers::pi;
 constexpr double kMmPerM = 1000;
 /// mm and deg to 1e-6, quaternions to 1e-9 (2e-9 rad): a thousandth of the best 1-sigma of one frame, and short to
 /// read.

@@ -1,5 +1,6 @@
 /// encode_registers names every register once and says which number goes in; the table says how it is written.
 #include "proto/register_codec.h"
+#include "base/units.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,7 +11,6 @@
 namespace ninedot {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 bool is_signed(RegisterType type) { return type == RegisterType::kI16 || type == RegisterType::kI32; }

@@ -5,12 +5,12 @@
 #include <bit>
 #include <numbers>
 
+#include "base/units.h"
 #include "proto/register_map.h"
 
 namespace ninedot {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr std::chrono::seconds kSerialClientCounts{5};
 
 bool is_in_range(const RegisterEntry& entry, std::uint16_t value) noexcept {

@@ -4,8 +4,8 @@
 
 namespace ninedot {
 
-/// Blocks SIGINT, SIGTERM and SIGHUP in the calling thread and in all that it starts afterwards, and ignores SIGPIPE (a reader
-/// that goes away is no reason to end). Make one before the first thread starts.
+/// Blocks SIGINT, SIGTERM and SIGHUP in the calling thread and in all that it starts afterwards, and ignores SIGPIPE (a
+/// reader that goes away is no reason to end). Make one before the first thread starts.
 class TerminationSignals {
  public:
   TerminationSignals() noexcept;

@@ -9,9 +9,9 @@
 #include <memory>
 #include <thread>
 
+#include "aim/servo_axis.h"
 #include "base/mono_time.h"
 #include "drivers/servo/pulse_errors.h"
-#include "drivers/servo/servo_axis.h"
 #include "ports/digital_io.h"
 
 namespace ninedot {

@@ -1,6 +1,6 @@
 #pragma once
 /// A head that exists in memory only: it stands at once where it is told to.
-#include "drivers/servo/servo_axis.h"
+#include "aim/servo_axis.h"
 
 namespace ninedot {
 

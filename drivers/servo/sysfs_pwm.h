@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "aim/servo_axis.h"
 #include "drivers/posix/file_descriptor.h"
-#include "drivers/servo/servo_axis.h"
 
 namespace ninedot {
 

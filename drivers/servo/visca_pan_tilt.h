@@ -9,8 +9,8 @@
 #include <string>
 #include <thread>
 
+#include "aim/servo_axis.h"
 #include "drivers/posix/file_descriptor.h"
-#include "drivers/servo/servo_axis.h"
 #include "drivers/servo/visca_dialogue.h"
 #include "drivers/servo/visca_options.h"
 #include "drivers/servo/visca_tty.h"

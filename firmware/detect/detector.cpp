@@ -127,7 +127,7 @@ bool Detector::Workspace::is_cut(std::size_t dot, const Blob& blob) const noexce
 
 Result<LandmarkObservation> Detector::Workspace::observe(const Verification& verification) noexcept {
   LandmarkObservation seen;
-  std::array<PlaneMatch, kDotCount> matches;
+  std::array<PlanePoint, kDotCount> matches;
   InlineVector<PlanePoint, kDotCount> points;
   std::size_t count = 0;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
@@ -149,7 +149,7 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Verification& ver
     matches[count++] = {landmark.centre_m(dot), *ray};
     (void)points.try_push_back({landmark.centre_m(dot), *ray});
   }
-  if (!fit_homography(std::span(matches).first(count), seen.H_ray_plane))
+  if (!fit_plane_map(std::span(matches).first(count), seen.H_ray_plane))
     return fail(Errc::kPoseDegenerate, "the visible dots lie on a line");
   number_dots(points.span(), seen);
   return seen;

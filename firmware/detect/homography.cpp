@@ -15,13 +15,13 @@ Eigen::Matrix2d jacobian_of_map(const Eigen::Matrix3d& H, const Eigen::Vector2d&
   return J;
 }
 
-bool fit_homography(std::span<const PlaneMatch> matches, Eigen::Matrix3d& H) noexcept {
+bool fit_plane_map(std::span<const PlanePoint> matches, Eigen::Matrix3d& H) noexcept {
   if (matches.size() < 3) return false;
   const auto count = static_cast<double>(matches.size());
   Eigen::Vector2d plane_mean(0, 0), seen_mean(0, 0);
-  for (const PlaneMatch& m : matches) plane_mean += m.plane_m / count, seen_mean += m.seen / count;
+  for (const PlanePoint& m : matches) plane_mean += m.plane_m / count, seen_mean += m.seen / count;
   double plane_scale = 0, seen_scale = 0;
-  for (const PlaneMatch& m : matches) {
+  for (const PlanePoint& m : matches) {
     plane_scale += (m.plane_m - plane_mean).norm() / count;
     seen_scale += (m.seen - seen_mean).norm() / count;
   }
@@ -33,7 +33,7 @@ bool fit_homography(std::span<const PlaneMatch> matches, Eigen::Matrix3d& H) noe
   const bool projective = matches.size() >= 5;
   Matrix8d A = Matrix8d::Zero();
   Vector8d b = Vector8d::Zero();
-  for (const PlaneMatch& m : matches) {
+  for (const PlanePoint& m : matches) {
     const Eigen::Vector2d P = (m.plane_m - plane_mean) / plane_scale;
     const Eigen::Vector2d s = (m.seen - seen_mean) / seen_scale;
     for (int axis = 0; axis < 2; ++axis) {

@@ -4,13 +4,9 @@
 #include <Eigen/Geometry>
 #include <span>
 
-namespace ninedot {
+#include "geometry/plane_point.h"
 
-/// A point of the sheet and where it was seen.
-struct PlaneMatch {
-  Eigen::Vector2d plane_m;  ///< (X0, Z0)
-  Eigen::Vector2d seen;     ///< px, or normalised ray: the homography maps into the same
-};
+namespace ninedot {
 
 /// Where a sheet point is seen.
 inline Eigen::Vector2d map_point(const Eigen::Matrix3d& H, const Eigen::Vector2d& plane_m) noexcept {
@@ -23,6 +19,6 @@ Eigen::Matrix2d jacobian_of_map(const Eigen::Matrix3d& H, const Eigen::Vector2d&
 
 /// Least squares over the matches: a homography (H33 = 1) for five or more, else an affine map. \param matches >= 3
 /// \return false when the points are collinear. Memory: none. Threads: pure.
-bool fit_homography(std::span<const PlaneMatch> matches, Eigen::Matrix3d& H) noexcept;
+bool fit_plane_map(std::span<const PlanePoint> matches, Eigen::Matrix3d& H) noexcept;
 
 }  // namespace ninedot

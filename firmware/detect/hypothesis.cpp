@@ -108,7 +108,7 @@ int number_neighbours(const NeighbourList& neighbours, Hypothesis& hypothesis) n
 }
 
 std::size_t collect_matches(const BlobList& blobs, const LandmarkGeometry& landmark, const Hypothesis& hypothesis,
-                            std::array<PlaneMatch, kDotCount>& matches) noexcept {
+                            std::array<PlanePoint, kDotCount>& matches) noexcept {
   std::size_t count = 0;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     if (hypothesis.blob[dot] < 0) continue;
@@ -119,9 +119,9 @@ std::size_t collect_matches(const BlobList& blobs, const LandmarkGeometry& landm
 }
 
 bool fit(const BlobList& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis) noexcept {
-  std::array<PlaneMatch, kDotCount> matches;
+  std::array<PlanePoint, kDotCount> matches;
   const std::size_t count = collect_matches(blobs, landmark, hypothesis, matches);
-  return count >= 3 && fit_homography(std::span(matches).first(count), hypothesis.H_px_plane);
+  return count >= 3 && fit_plane_map(std::span(matches).first(count), hypothesis.H_px_plane);
 }
 
 /// Guesses that found the same dots say the same.

@@ -17,8 +17,6 @@ using Matrix9d = Eigen::Matrix<double, 9, 9>;
 using Vector9d = Eigen::Matrix<double, 9, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-using LandmarkInCamera = Transform<frame::Camera, frame::Landmark>;
-
 /// Eigenvalue of the linear system that must not vanish, relative to the largest: a second one near zero means that the
 /// points leave a family of homographies open. Four corners of a square seen at 85 deg give 1e-4; three points on a
 /// line 1e-16.
@@ -89,7 +87,7 @@ Eigen::Vector3d translation_for(std::span<const PlanePoint> points, const Eigen:
   for (const PlanePoint& p : points) {
     const Eigen::Vector3d turned = R * Eigen::Vector3d(p.plane_m.x(), 0, p.plane_m.y());
     Eigen::Matrix<double, 2, 3> A;
-    A << 1, 0, -p.normalised.x(), 0, 1, -p.normalised.y();
+    A << 1, 0, -p.seen.x(), 0, 1, -p.seen.y();
     N += p.weight * A.transpose() * A;
     g -= p.weight * A.transpose() * (A * turned);
   }
@@ -98,7 +96,7 @@ Eigen::Vector3d translation_for(std::span<const PlanePoint> points, const Eigen:
 
 /// The weighted sum of squared residuals; infinite where a point is not in front of the camera.
 /// Parameters of N and g: rotation vector on the left of the rotation, then translation.
-double accumulate(std::span<const PlanePoint> points, const LandmarkInCamera& T, Matrix6* N, Vector6* g) noexcept {
+double accumulate(std::span<const PlanePoint> points, const CameraFromLandmark& T, Matrix6* N, Vector6* g) noexcept {
   double cost = 0;
   if (N != nullptr) N->setZero(), g->setZero();
   for (const PlanePoint& p : points) {
@@ -106,7 +104,7 @@ double accumulate(std::span<const PlanePoint> points, const LandmarkInCamera& T,
     const Eigen::Vector3d q = turned + T.translation_m;
     if (!(q.z() > 0)) return std::numeric_limits<double>::infinity();
     const Eigen::Vector2d predicted = q.hnormalized();
-    const Eigen::Vector2d residual = predicted - p.normalised;
+    const Eigen::Vector2d residual = predicted - p.seen;
     cost += p.weight * residual.squaredNorm();
     if (N == nullptr) continue;
     Eigen::Matrix<double, 2, 3> projection;
@@ -122,21 +120,21 @@ double accumulate(std::span<const PlanePoint> points, const LandmarkInCamera& T,
   return cost;
 }
 
-bool on_printed_side(const LandmarkInCamera& T) noexcept { return T.inverse().translation_m.y() > 0; }
+bool on_printed_side(const CameraFromLandmark& T) noexcept { return T.inverse().translation_m.y() > 0; }
 
 }  // namespace
 
 Result<Eigen::Matrix3d> fit_homography(std::span<const PlanePoint> points) noexcept {
   if (points.size() < 4) return fail(Errc::kPoseDegenerate, "a planar pose needs four points");
   const Normalisation plane = normalisation(points, &PlanePoint::plane_m);
-  const Normalisation picture = normalisation(points, &PlanePoint::normalised);
+  const Normalisation picture = normalisation(points, &PlanePoint::seen);
   if (!std::isfinite(plane.scale) || !std::isfinite(picture.scale))
     return fail(Errc::kPoseDegenerate, "the points of a planar pose coincide or are no numbers");
 
   Matrix9d N = Matrix9d::Zero();
   for (const PlanePoint& p : points) {
     const Eigen::Vector3d m = plane(p.plane_m).homogeneous();
-    const Eigen::Vector2d x = picture(p.normalised);
+    const Eigen::Vector2d x = picture(p.seen);
     Vector9d row_x, row_y;
     row_x << m, Eigen::Vector3d::Zero(), -x.x() * m;
     row_y << Eigen::Vector3d::Zero(), m, -x.y() * m;
@@ -156,7 +154,7 @@ Result<Eigen::Matrix3d> fit_homography(std::span<const PlanePoint> points) noexc
   return H;
 }
 
-PlanarPose refine_planar_pose(std::span<const PlanePoint> points, const LandmarkInCamera& start) noexcept {
+PlanarPose refine_planar_pose(std::span<const PlanePoint> points, const CameraFromLandmark& start) noexcept {
   PlanarPose best{start, 0};
   Matrix6 N;
   Vector6 g;
@@ -167,8 +165,8 @@ PlanarPose refine_planar_pose(std::span<const PlanePoint> points, const Landmark
     damped.diagonal() *= 1 + damping;
     const Vector6 step = damped.ldlt().solve(-g);
     if (!step.allFinite()) break;
-    const LandmarkInCamera next{exp_so3(step.head<3>()) * best.T_camera_landmark.rotation,
-                                best.T_camera_landmark.translation_m + step.tail<3>()};
+    const CameraFromLandmark next{exp_so3(step.head<3>()) * best.T_camera_landmark.rotation,
+                                  best.T_camera_landmark.translation_m + step.tail<3>()};
     const double next_cost = accumulate(points, next, nullptr, nullptr);
     const bool settled = step.head<3>().norm() < 1e-10 && step.tail<3>().norm() < 1e-10 * next.translation_m.norm();
     if (next_cost <= cost) {
@@ -200,7 +198,7 @@ Result<PlanarPoses> solve_planar_pose(std::span<const PlanePoint> points) noexce
   PlanarPoses poses;
   std::size_t count = 0;
   for (const Eigen::Matrix3d& R : infinitesimal_rotations(H_middle)) {
-    LandmarkInCamera start;
+    CameraFromLandmark start;
     start.rotation << R.col(0), -R.col(2), R.col(1);  // Y0 is the third axis, reversed
     start.translation_m = translation_for(points, start.rotation);
     const PlanarPose pose = refine_planar_pose(points, start);

@@ -39,6 +39,9 @@ struct Transform {
   }
 };
 
+/// The sheet before the camera.
+using CameraFromLandmark = Transform<frame::Camera, frame::Landmark>;
+
 /// Rotation matrix of a rotation vector [rad]: Rodrigues' formula.
 inline Eigen::Matrix3d exp_so3(const Eigen::Vector3d& rotation_rad) noexcept {
   const double angle_rad = rotation_rad.norm();

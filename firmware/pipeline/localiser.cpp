@@ -70,7 +70,7 @@ Result<PoseEstimate> Localiser::solve(const ImageView& luma, const PoseEstimate*
   return pose;
 }
 
-Transform<frame::Camera, frame::Landmark> Localiser::expected_at(MonoTime time) const noexcept {
+CameraFromLandmark Localiser::expected_at(MonoTime time) const noexcept {
   auto T = pose_.T_landmark_camera.inverse();
   if (!motion_) return T;
   const double ahead_s = std::chrono::duration<double>(time - pose_at_).count();

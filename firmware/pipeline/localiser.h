@@ -57,7 +57,7 @@ class Localiser final : public FrameProcessor {
   /// Remembers the motion since the frame before, and how well it was foretold. \param pose  of the new frame
   void note_motion(const Result<PoseEstimate>& pose, MonoTime exposed_at) noexcept;
   /// The sheet before the camera, if it goes on as between the last two frames.
-  Transform<frame::Camera, frame::Landmark> expected_at(MonoTime time) const noexcept;
+  CameraFromLandmark expected_at(MonoTime time) const noexcept;
   /// Everywhere.
   Result<PoseEstimate> search(const ImageView& luma) noexcept;
   Result<PoseEstimate> solve(const ImageView& luma, const PoseEstimate* previous) noexcept;

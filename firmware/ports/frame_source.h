@@ -1,5 +1,5 @@
 #pragma once
-/// Where frames come from. Implemented in drivers/capture.
+/// Where frames come from. Implemented in drivers/camera and drivers/recording.
 #include <chrono>
 #include <cstdint>
 #include <utility>

@@ -31,8 +31,8 @@ class FullSolver {
   /// camera in this picture, outlines within about half a pixel \param previous  of the frame before, by this solver
   /// \param seen  on success becomes what a detector would have handed over
   /// \error kNoLandmark: it is not quite there, or not all of it, or its mirror image has to be looked into: detect it
-  Result<PoseEstimate> follow(const ImageView& luma, const Transform<frame::Camera, frame::Landmark>& expected,
-                              const PoseEstimate& previous, LandmarkObservation& seen) noexcept;
+  Result<PoseEstimate> follow(const ImageView& luma, const CameraFromLandmark& expected, const PoseEstimate& previous,
+                              LandmarkObservation& seen) noexcept;
 
  private:
   struct Workspace;

@@ -20,7 +20,7 @@ void set_ellipse(const Eigen::Matrix2d& px_per_m, double radius_m, DotObservatio
 
 }  // namespace
 
-LandmarkObservation observation_of(const Transform<frame::Camera, frame::Landmark>& T_camera_landmark,
+LandmarkObservation observation_of(const CameraFromLandmark& T_camera_landmark,
                                    const std::array<double, kDotCount>& visible_share, const CameraModel& camera,
                                    const LandmarkGeometry& landmark) noexcept {
   LandmarkObservation seen;

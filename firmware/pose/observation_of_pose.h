@@ -11,7 +11,7 @@ namespace ninedot {
 
 /// \param visible_share  of each dot's outline, 0..1; from kMinVisible on a dot counts as seen
 /// Memory: none. Threads: pure.
-LandmarkObservation observation_of(const Transform<frame::Camera, frame::Landmark>& T_camera_landmark,
+LandmarkObservation observation_of(const CameraFromLandmark& T_camera_landmark,
                                    const std::array<double, kDotCount>& visible_share, const CameraModel& camera,
                                    const LandmarkGeometry& landmark) noexcept;
 

@@ -12,8 +12,6 @@
 
 namespace ninedot {
 
-using CameraFromLandmark = Transform<frame::Camera, frame::Landmark>;
-
 /// A whole small dot, or a stretch of a large dot's outline. Within it paper and ink are taken as constant (paper of a
 /// whole dot: as sloping), so that light may change from group to group as it likes.
 struct OutlineGroup {

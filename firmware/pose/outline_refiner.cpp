@@ -24,8 +24,8 @@ constexpr double kLastStep_px = 0.05;
 constexpr double kExpectedReach_px = 1, kExpectedClose_px = 0.25, kExpectedSecond_px = 0.7;
 constexpr double kCalm_px = 0.03;
 constexpr double kHeldSigma = 1e-3, kFreeSigma = 1e3;  // of offset [px] and blur [px^2] in one step
-constexpr double kOffsetSigma_px = 0.35;    // prior: an sRGB curve moves edges by 0.3 px (METHOD, section 3)
-constexpr double kHarmonicSigma_px2 = 0.6;  // prior of the blur's direction
+constexpr double kOffsetSigma_px = 0.35;               // prior: an sRGB curve moves edges by 0.3 px (METHOD, section 3)
+constexpr double kHarmonicSigma_px2 = 0.6;             // prior of the blur's direction
 constexpr double kMeanBlur_px2 = 0.7, kMeanBlurSigma_px2 = 3;
 
 /// The value that `share` of the values lie below; reorders them.

@@ -11,9 +11,10 @@
 #include <map>
 #include <sstream>
 
-#include "app/camera_file.h"
 #include "base/startup_error.h"
-#include "drivers/capture/picture_file.h"
+#include "calibrate/camera_file.h"
+#include "drivers/picture/picture_file.h"
+#include "programs/assembly/input_files.h"
 
 namespace ninedot::bench {
 namespace {

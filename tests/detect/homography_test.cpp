@@ -13,8 +13,8 @@ Eigen::Matrix3d some_homography() {
   return H;
 }
 
-std::vector<PlaneMatch> matches_of(const Eigen::Matrix3d& H, std::initializer_list<Eigen::Vector2d> points) {
-  std::vector<PlaneMatch> matches;
+std::vector<PlanePoint> matches_of(const Eigen::Matrix3d& H, std::initializer_list<Eigen::Vector2d> points) {
+  std::vector<PlanePoint> matches;
   for (const Eigen::Vector2d& p : points) matches.push_back({p, map_point(H, p)});
   return matches;
 }
@@ -22,7 +22,7 @@ std::vector<PlaneMatch> matches_of(const Eigen::Matrix3d& H, std::initializer_li
 TEST(Homography, IsRecoveredFromFivePoints) {
   const Eigen::Matrix3d truth = some_homography();
   Eigen::Matrix3d H;
-  ASSERT_TRUE(fit_homography(matches_of(truth, {{0, 0}, {0.08, 0}, {0, 0.08}, {-0.08, 0.02}, {0.05, -0.07}}), H));
+  ASSERT_TRUE(fit_plane_map(matches_of(truth, {{0, 0}, {0.08, 0}, {0, 0.08}, {-0.08, 0.02}, {0.05, -0.07}}), H));
   EXPECT_LT((H - truth).norm() / truth.norm(), 1e-9);
 }
 
@@ -30,14 +30,14 @@ TEST(Homography, FourPointsGiveAnAffineMap) {
   Eigen::Matrix3d truth = some_homography();
   truth(2, 0) = truth(2, 1) = 0;
   Eigen::Matrix3d H;
-  ASSERT_TRUE(fit_homography(matches_of(truth, {{0, 0}, {0.08, 0}, {0, 0.08}, {-0.08, 0.02}}), H));
+  ASSERT_TRUE(fit_plane_map(matches_of(truth, {{0, 0}, {0.08, 0}, {0, 0.08}, {-0.08, 0.02}}), H));
   EXPECT_LT((H - truth).norm() / truth.norm(), 1e-9);
 }
 
 TEST(Homography, RefusesTooFewPointsAndPointsOnALine) {
   Eigen::Matrix3d H;
-  EXPECT_FALSE(fit_homography(matches_of(some_homography(), {{0, 0}, {0.08, 0}}), H));
-  EXPECT_FALSE(fit_homography(matches_of(some_homography(), {{0, 0}, {0.04, 0.04}, {0.08, 0.08}}), H));
+  EXPECT_FALSE(fit_plane_map(matches_of(some_homography(), {{0, 0}, {0.08, 0}}), H));
+  EXPECT_FALSE(fit_plane_map(matches_of(some_homography(), {{0, 0}, {0.04, 0.04}, {0.08, 0.08}}), H));
 }
 
 TEST(Homography, JacobianEqualsCentralDifferences) {

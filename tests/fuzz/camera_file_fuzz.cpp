@@ -1,9 +1,9 @@
 // A calibration is refused with one line, or is finite and reads back to itself.
 #include <cmath>
 
-#include "app/camera_file.h"
 #include "base/contract.h"
 #include "base/startup_error.h"
+#include "calibrate/camera_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t count) {
   using namespace ninedot;

@@ -1,7 +1,7 @@
 // A configuration is refused with one line that names a line, or is within its ranges.
-#include "app/config_checks.h"
 #include "base/contract.h"
 #include "base/startup_error.h"
+#include "config/config_checks.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t count) {
   using namespace ninedot;

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "base/contract.h"
-#include "drivers/capture/picture_file.h"
+#include "drivers/picture/picture_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t count) {
   using namespace ninedot;

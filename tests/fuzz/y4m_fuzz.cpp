@@ -1,6 +1,6 @@
 // The stream header, then frame header after frame header as the index walks them.
 #include "base/contract.h"
-#include "drivers/capture/y4m_file.h"
+#include "drivers/recording/y4m_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t count) {
   using namespace ninedot;

@@ -15,13 +15,12 @@
 namespace ninedot {
 namespace {
 
-using LandmarkInCamera = Transform<frame::Camera, frame::Landmark>;
 constexpr double kRad = std::numbers::pi / 180;
 
 /// A camera that looks about at the landmark: `tilt` from the sheet's normal towards `azimuth`, rolled, and turned away
 /// a little.
-LandmarkInCamera look(double distance_m, double tilt_rad, double azimuth_rad, double roll_rad,
-                      const Eigen::Vector3d& turn_rad = Eigen::Vector3d::Zero()) {
+CameraFromLandmark look(double distance_m, double tilt_rad, double azimuth_rad, double roll_rad,
+                        const Eigen::Vector3d& turn_rad = Eigen::Vector3d::Zero()) {
   const Eigen::Vector3d position =
       distance_m * Eigen::Vector3d(std::sin(tilt_rad) * std::cos(azimuth_rad), std::cos(tilt_rad),
                                    std::sin(tilt_rad) * std::sin(azimuth_rad));
@@ -33,7 +32,7 @@ LandmarkInCamera look(double distance_m, double tilt_rad, double azimuth_rad, do
   return {R, -(R * position)};
 }
 
-std::vector<PlanePoint> observe(const LandmarkInCamera& T, double sigma, std::mt19937_64& random,
+std::vector<PlanePoint> observe(const CameraFromLandmark& T, double sigma, std::mt19937_64& random,
                                 std::size_t count = kDotCount) {
   std::normal_distribution<double> noise(0, 1);
   const LandmarkGeometry landmark;
@@ -46,7 +45,7 @@ std::vector<PlanePoint> observe(const LandmarkInCamera& T, double sigma, std::mt
   return points;
 }
 
-double rotation_error_rad(const LandmarkInCamera& a, const LandmarkInCamera& b) {
+double rotation_error_rad(const CameraFromLandmark& a, const CameraFromLandmark& b) {
   return log_so3(a.rotation.transpose() * b.rotation).norm();
 }
 
@@ -56,7 +55,7 @@ class PlanarPoseLaws : public testing::Test {
       : seed_(std::hash<std::string>{}(testing::UnitTest::GetInstance()->current_test_info()->name())),
         random_(seed_) {}
   double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
-  LandmarkInCamera any_pose(double max_tilt_deg = 78) {
+  CameraFromLandmark any_pose(double max_tilt_deg = 78) {
     return look(std::exp(number(std::log(0.3), std::log(7))), number(0, max_tilt_deg) * kRad, number(-M_PI, M_PI),
                 number(-M_PI, M_PI), Eigen::Vector3d(number(-0.2, 0.2), number(-0.2, 0.2), 0));
   }
@@ -66,11 +65,11 @@ class PlanarPoseLaws : public testing::Test {
 
 TEST_F(PlanarPoseLaws, RecoversExactPosesFromNineDots) {
   for (int run = 0; run < 2000; ++run) {
-    const LandmarkInCamera truth = any_pose();
+    const CameraFromLandmark truth = any_pose();
     const auto points = observe(truth, 0, random_);
     const auto poses = solve_planar_pose(points);
     ASSERT_TRUE(poses.has_value()) << "seed " << seed_ << " run " << run;
-    const LandmarkInCamera& T = (*poses)[0].T_camera_landmark;
+    const CameraFromLandmark& T = (*poses)[0].T_camera_landmark;
     ASSERT_LT((*poses)[0].rms, 1e-10) << "seed " << seed_ << " run " << run;
     ASSERT_LT((T.translation_m - truth.translation_m).norm(), 1e-6 * truth.translation_m.norm()) << "seed " << seed_;
     ASSERT_LT(rotation_error_rad(T, truth), 1e-4) << "seed " << seed_ << " run " << run;
@@ -79,7 +78,7 @@ TEST_F(PlanarPoseLaws, RecoversExactPosesFromNineDots) {
 
 TEST_F(PlanarPoseLaws, RecoversExactPosesFromFourRingDots) {
   for (int run = 0; run < 500; ++run) {
-    const LandmarkInCamera truth = any_pose(70);
+    const CameraFromLandmark truth = any_pose(70);
     auto points = observe(truth, 0, random_, kRingDotCount);
     std::shuffle(points.begin(), points.end(), random_);
     points.resize(4);
@@ -91,7 +90,7 @@ TEST_F(PlanarPoseLaws, RecoversExactPosesFromFourRingDots) {
 
 TEST_F(PlanarPoseLaws, BothPosesSeeThePrintedSideFromTheFrontAndAreSortedByRms) {
   for (int run = 0; run < 2000; ++run) {
-    const LandmarkInCamera truth = any_pose();
+    const CameraFromLandmark truth = any_pose();
     const auto points = observe(truth, 2e-4, random_);
     const auto poses = solve_planar_pose(points);
     ASSERT_TRUE(poses.has_value()) << "seed " << seed_ << " run " << run;
@@ -109,7 +108,7 @@ TEST_F(PlanarPoseLaws, BothPosesSeeThePrintedSideFromTheFrontAndAreSortedByRms) 
 TEST_F(PlanarPoseLaws, OneOfThePosesIsNearTheTruthUnderNoise) {
   for (int run = 0; run < 1000; ++run) {
     const double distance_m = number(0.4, 7), tilt_rad = number(25, 70) * kRad;
-    const LandmarkInCamera truth = look(distance_m, tilt_rad, number(-M_PI, M_PI), number(-M_PI, M_PI));
+    const CameraFromLandmark truth = look(distance_m, tilt_rad, number(-M_PI, M_PI), number(-M_PI, M_PI));
     const auto poses = solve_planar_pose(observe(truth, 0.1 / 720, random_));
     ASSERT_TRUE(poses.has_value()) << "seed " << seed_ << " run " << run;
     double best_rad = 10;
@@ -123,7 +122,7 @@ TEST_F(PlanarPoseLaws, OneOfThePosesIsNearTheTruthUnderNoise) {
 
 TEST_F(PlanarPoseLaws, FarLandmarkHasTwoPosesThatFitAlmostAlike) {
   for (int run = 0; run < 200; ++run) {
-    const LandmarkInCamera truth = look(6, 40 * kRad, number(-M_PI, M_PI), number(-M_PI, M_PI));
+    const CameraFromLandmark truth = look(6, 40 * kRad, number(-M_PI, M_PI), number(-M_PI, M_PI));
     const auto poses = solve_planar_pose(observe(truth, 0, random_));
     ASSERT_TRUE(poses.has_value());
     // Both tilted by 40 degrees to opposite sides of the line of sight: 80 degrees apart.
@@ -135,7 +134,7 @@ TEST_F(PlanarPoseLaws, FarLandmarkHasTwoPosesThatFitAlmostAlike) {
 
 TEST_F(PlanarPoseLaws, FrontalViewsAreSolvedWithoutLossOfPosition) {
   for (int run = 0; run < 500; ++run) {
-    const LandmarkInCamera truth =
+    const CameraFromLandmark truth =
         look(number(0.3, 3), number(0, 0.5) * kRad, number(-M_PI, M_PI), number(-M_PI, M_PI));
     const auto poses = solve_planar_pose(observe(truth, 0.05 / 720, random_));
     ASSERT_TRUE(poses.has_value()) << "seed " << seed_ << " run " << run;
@@ -148,7 +147,7 @@ TEST_F(PlanarPoseLaws, FrontalViewsAreSolvedWithoutLossOfPosition) {
 }
 
 TEST_F(PlanarPoseLaws, ZeroWeightRemovesAPoint) {
-  const LandmarkInCamera truth = look(1, 35 * kRad, 0.4, 0.2);
+  const CameraFromLandmark truth = look(1, 35 * kRad, 0.4, 0.2);
   auto points = observe(truth, 0, random_);
   points[3].normalised += Eigen::Vector2d(0.1, -0.2);
   points[3].weight = 0;
@@ -168,7 +167,7 @@ TEST_F(PlanarPoseLaws, OrderOfPointsDoesNotMatter) {
 }
 
 TEST_F(PlanarPoseLaws, RefusesFewerThanFourPointsAndPointsOnALine) {
-  const LandmarkInCamera truth = look(1, 0.5, 0.4, 0.2);
+  const CameraFromLandmark truth = look(1, 0.5, 0.4, 0.2);
   auto points = observe(truth, 0, random_);
   const auto three = solve_planar_pose(std::span(points).first(3));
   ASSERT_FALSE(three.has_value());
@@ -188,7 +187,7 @@ TEST_F(PlanarPoseLaws, RefusesFewerThanFourPointsAndPointsOnALine) {
 TEST_F(PlanarPoseLaws, RefusesAMirroredLandmark) {
   for (int run = 0; run < 100; ++run) {
     auto points = observe(any_pose(60), 0, random_);
-    for (PlanePoint& p : points) p.normalised.x() = -p.normalised.x();
+    for (PlanePoint& p : points) p.seen.x() = -p.seen.x();
     const auto poses = solve_planar_pose(points);
     ASSERT_FALSE(poses.has_value()) << "seed " << seed_ << " run " << run;
     EXPECT_EQ(poses.error().code, Errc::kPoseDegenerate);

@@ -87,7 +87,7 @@ concept CanMultiply = requires(A a, B b) {
 };
 // A product whose inner frames differ does not compile.
 static_assert(CanMultiply<Transform<frame::World, frame::Landmark>, Transform<frame::Landmark, frame::Camera>>);
-static_assert(!CanMultiply<Transform<frame::World, frame::Landmark>, Transform<frame::Camera, frame::Landmark>>);
+static_assert(!CanMultiply<Transform<frame::World, frame::Landmark>, CameraFromLandmark>);
 
 }  // namespace
 }  // namespace ninedot

@@ -7,11 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "app/camera_file.h"
-#include "drivers/capture/recording_source.h"
+#include "calibrate/camera_file.h"
+#include "drivers/recording/recording_source.h"
 #include "drivers/servo/simulated_pan_tilt.h"
 #include "pipeline/frame_loop.h"
 #include "pipeline/localiser.h"
+#include "programs/assembly/input_files.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/renderer.h"
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "base/units.h"
 #include "tests/support/renderer.h"
 #include "world/landmark_map.h"
 
@@ -13,8 +14,6 @@ namespace ninedot {
 namespace {
 
 using namespace std::chrono_literals;
-
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 test::Scene scene_at(double distance_m) {
   test::Scene scene;

@@ -3,8 +3,8 @@
 #include <array>
 #include <numbers>
 
-#include "drivers/servo/servo_axis.h"
-#include "drivers/servo/visca_evi_d31.h"
+#include "aim/evi_d31.h"
+#include "aim/servo_axis.h"
 
 namespace ninedot::test {
 

@@ -1,0 +1,318 @@
+// open() is a list of agreements with the driver, each of which may be refused; grab() empties the driver's queue.
+#include "drivers/camera/v4l2_device.h"
+
+#include <fmt/format.h>
+#include <grp.h>
+#include <linux/videodev2.h>
+#include <poll.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+#include "base/contract.h"
+#include "drivers/camera/v4l2_controls.h"
+#include "drivers/camera/v4l2_formats.h"
+
+namespace ninedot {
+namespace {
+
+std::string group_of(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return "video";
+  const group* const entry = ::getgrgid(status.st_gid);
+  return entry != nullptr ? entry->gr_name : std::to_string(status.st_gid);
+}
+
+v4l2_buffer empty_buffer(std::uint32_t index = 0) noexcept {
+  v4l2_buffer buffer{};
+  buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  buffer.memory = V4L2_MEMORY_MMAP;
+  buffer.index = index;
+  return buffer;
+}
+
+}  // namespace
+
+std::string describe_open_failure(const std::string& path, int error) {
+  switch (error) {
+    case ENOENT:
+    case ENODEV:
+    case ENXIO:
+      return fmt::format("{}: no such camera: connect it, or choose one that `ninedot cameras` lists", path);
+    case EACCES:
+    case EPERM:
+      return fmt::format(
+          "{0}: permission missing: it belongs to the group '{1}': usermod -aG {1} USER, then log in anew", path,
+          group_of(path));
+    case EBUSY:
+      return fmt::format("{0}: busy: stop the program that uses it (fuser {0} names it)", path);
+    default:
+      return fmt::format("{}: {}", path, std::strerror(error));
+  }
+}
+
+V4l2Device::V4l2Device(const CameraRequest& request, VideoKernel& kernel)
+    : request_(request), kernel_(kernel), jpeg_({request.width_px, request.height_px}) {}
+
+void V4l2Device::refuse(const std::string& what, int error) const {
+  throw CameraRefused(fmt::format("{}: {}", request_.device, what), error);
+}
+
+void V4l2Device::require(int result, const char* what) const {
+  if (result >= 0) return;
+  if (result == -EBUSY || result == -ENODEV)
+    throw CameraRefused(describe_open_failure(request_.device, -result), -result);
+  refuse(fmt::format("{} failed: {}", what, std::strerror(-result)), -result);
+}
+
+void V4l2Device::open() {
+  EXPECTS(fd_ < 0);
+  try {
+    open_node();
+    agree_on_format();
+    agree_on_rate();
+    const AppliedControls controls = apply_controls(kernel_, fd_, request_);
+    timing_ = {controls.exposure, request_.readout};
+    map_buffers();
+    start_streaming();
+    description_ = fmt::format("{} {}x{}, {:.4g} Hz{}{}", format_->name, request_.width_px, request_.height_px,
+                               1e9 / static_cast<double>(period_.count()), controls.description.empty() ? "" : ", ",
+                               controls.description);
+  } catch (...) {
+    close();
+    throw;
+  }
+}
+
+void V4l2Device::open_node() {
+  fd_ = kernel_.open(request_.device.c_str());
+  if (fd_ < 0) throw CameraRefused(describe_open_failure(request_.device, -fd_), -fd_);
+  v4l2_capability capability{};
+  if (kernel_.ioctl(fd_, VIDIOC_QUERYCAP, &capability) < 0)
+    refuse("is no V4L2 camera; `ninedot cameras` lists those", ENOTTY);
+  const std::uint32_t can =
+      (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? capability.device_caps : capability.capabilities;
+  if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0)
+    refuse((can & V4L2_CAP_VIDEO_CAPTURE_MPLANE) != 0
+               ? "speaks the multi-planar interface only: use camera.source = \"libcamera\""
+               : "captures no pictures (metadata or output node); `ninedot cameras` lists those that do",
+           ENOTTY);
+  if ((can & V4L2_CAP_STREAMING) == 0) refuse("offers no memory-mapped buffers", ENOTTY);
+
+  v4l2_input input{};
+  int current = 0;
+  if (kernel_.ioctl(fd_, VIDIOC_G_INPUT, &current) >= 0) {
+    input.index = static_cast<std::uint32_t>(current);
+    if (kernel_.ioctl(fd_, VIDIOC_ENUMINPUT, &input) >= 0) {
+      if ((input.status & (V4L2_IN_ST_NO_POWER | V4L2_IN_ST_NO_SIGNAL)) != 0)
+        refuse("no signal at the camera's input: check cable and power", ENOLINK);
+      // The driver would deliver noise, or the last picture over and over.
+      if ((input.status & (V4L2_IN_ST_NO_H_LOCK | V4L2_IN_ST_NO_SYNC)) != 0)
+        refuse("the signal at the camera's input can't be locked on to: check cable and video mode", ENOLINK);
+    }
+  }
+}
+
+void V4l2Device::agree_on_format() {
+  const std::vector<OfferedFormat> offers = read_offered_formats(kernel_, fd_);
+  const std::string offered = fmt::format("{}", fmt::join(describe_offers(offers), "; "));
+  const auto refuse_with_offers = [&] {
+    refuse(fmt::format("the camera has no {} {}x{}; it offers {}",
+                       request_.pixel_format == "auto" ? "readable format at" : request_.pixel_format,
+                       request_.width_px, request_.height_px, offered),
+           EINVAL);
+  };
+  const OfferedFormat* const offer = choose_format(offers, request_);
+  if (offer == nullptr) refuse_with_offers();
+  format_ = offer->known;
+
+  v4l2_format format{};
+  format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  format.fmt.pix.width = static_cast<std::uint32_t>(request_.width_px);
+  format.fmt.pix.height = static_cast<std::uint32_t>(request_.height_px);
+  format.fmt.pix.pixelformat = offer->fourcc;
+  format.fmt.pix.field = V4L2_FIELD_NONE;
+  require(kernel_.ioctl(fd_, VIDIOC_S_FMT, &format), "setting the format");
+  if (format.fmt.pix.pixelformat != offer->fourcc || static_cast<int>(format.fmt.pix.width) != request_.width_px ||
+      static_cast<int>(format.fmt.pix.height) != request_.height_px)
+    refuse(fmt::format("asked for {} {}x{}, the camera gives {} {}x{}; it offers {}", format_->name, request_.width_px,
+                       request_.height_px, fourcc_text(format.fmt.pix.pixelformat), format.fmt.pix.width,
+                       format.fmt.pix.height, offered),
+           EINVAL);
+  if (format.fmt.pix.field != V4L2_FIELD_NONE && format.fmt.pix.field != V4L2_FIELD_ANY)
+    refuse("the camera gives interlaced pictures; choose another input or standard", EINVAL);
+  // Some drivers leave it zero, meaning rows without gaps.
+  stride_bytes_ = std::max<std::size_t>(format.fmt.pix.bytesperline, row_bytes(format_->layout, request_.width_px));
+}
+
+void V4l2Device::agree_on_rate() {
+  v4l2_streamparm parameters{};
+  parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  parameters.parm.capture.timeperframe = {1000, static_cast<std::uint32_t>(std::lround(request_.rate_hz * 1000))};
+  // Capture cards and some sensors have one rate; what they read back is what counts.
+  if (kernel_.ioctl(fd_, VIDIOC_S_PARM, &parameters) < 0) kernel_.ioctl(fd_, VIDIOC_G_PARM, &parameters);
+  const v4l2_fract& period = parameters.parm.capture.timeperframe;
+  const double period_s = period.numerator > 0 && period.denominator > 0
+                              ? static_cast<double>(period.numerator) / period.denominator
+                              : 1 / request_.rate_hz;
+  period_ = std::chrono::nanoseconds(std::llround(period_s * 1e9));
+}
+
+void V4l2Device::map_buffers() {
+  v4l2_requestbuffers wanted{};
+  wanted.count = kBufferCount;
+  wanted.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  wanted.memory = V4L2_MEMORY_MMAP;
+  require(kernel_.ioctl(fd_, VIDIOC_REQBUFS, &wanted), "asking for buffers");
+  if (wanted.count < 2 || wanted.count > kMaxBuffers)
+    refuse(fmt::format("the driver gives {} buffers, at least 2 are needed", wanted.count), ENOMEM);
+  const auto rows = static_cast<std::size_t>(request_.height_px);
+  const std::size_t needed = stride_bytes_ * (rows - 1) + row_bytes(format_->layout, request_.width_px);
+  for (std::uint32_t i = 0; i < wanted.count; ++i) {
+    v4l2_buffer buffer = empty_buffer(i);
+    require(kernel_.ioctl(fd_, VIDIOC_QUERYBUF, &buffer), "asking where a buffer is");
+    if (format_->layout != PixelLayout::kJpeg && buffer.length < needed)
+      refuse(fmt::format("the driver's buffers are too small: {} bytes, {} needed", buffer.length, needed), EINVAL);
+    void* const memory = kernel_.map(fd_, buffer.length, buffer.m.offset);
+    if (memory == nullptr) refuse("a buffer can't be mapped into memory", ENOMEM);
+    mappings_[i] = {memory, buffer.length};
+    buffer_count_ = i + 1;
+  }
+  const std::size_t picture = rows * static_cast<std::size_t>(request_.width_px);
+  if (format_->layout == PixelLayout::kLumaPlane)
+    luma_.clear();
+  else
+    luma_.resize(picture * buffer_count_);
+}
+
+void V4l2Device::start_streaming() {
+  // A capture card tells in this way that its signal came, went or changed; others refuse, which is fine.
+  v4l2_event_subscription change{};
+  change.type = V4L2_EVENT_SOURCE_CHANGE;
+  kernel_.ioctl(fd_, VIDIOC_SUBSCRIBE_EVENT, &change);
+  for (std::uint32_t i = 0; i < buffer_count_; ++i) {
+    v4l2_buffer buffer = empty_buffer(i);
+    require(kernel_.ioctl(fd_, VIDIOC_QBUF, &buffer), "handing over a buffer");
+  }
+  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  require(kernel_.ioctl(fd_, VIDIOC_STREAMON, &type), "starting the stream");
+  is_streaming_ = true;
+}
+
+void V4l2Device::close() noexcept {
+  if (fd_ < 0) return;
+  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  if (is_streaming_) kernel_.ioctl(fd_, VIDIOC_STREAMOFF, &type);
+  is_streaming_ = false;
+  for (std::uint32_t i = 0; i < buffer_count_; ++i) kernel_.unmap(mappings_[i].memory, mappings_[i].bytes);
+  buffer_count_ = 0;
+  kernel_.close(fd_);
+  fd_ = -1;
+}
+
+Result<CapturedFrame> V4l2Device::grab(MonoTime deadline) noexcept {
+  EXPECTS(fd_ >= 0);
+  for (;;) {
+    const Result<Taken> taken = take_newest();
+    if (taken) return as_luma(*taken);
+    if (taken.error().code != Errc::kNoFrame) return tl::unexpected<Error>(taken.error());
+    const int events = kernel_.wait(fd_, deadline);
+    if (events < 0) return fail(Errc::kCameraLost, "waiting for the camera failed", -events);
+    if (events == 0) return fail(Errc::kNoFrame, "no frame in time");
+    if ((events & POLLPRI) != 0) return fail(Errc::kCameraLost, "the signal at the camera's input changed", ENOLINK);
+    if ((events & (POLLERR | POLLHUP | POLLNVAL)) != 0) {
+      // The driver says why at the next buffer; POLLERR without a reason is a stream that stopped.
+      const Result<Taken> last = take();
+      if (!last && last.error().code != Errc::kNoFrame) return tl::unexpected<Error>(last.error());
+      return fail(Errc::kCameraLost, "the camera stopped", ENODEV);
+    }
+  }
+}
+
+/// Empties the driver's queue and keeps the last good buffer.
+Result<V4l2Device::Taken> V4l2Device::take_newest() noexcept {
+  Taken newest;
+  // Bounded: each buffer once, whatever the driver refills meanwhile.
+  for (std::uint32_t i = 0; i < buffer_count_; ++i) {
+    const Result<Taken> taken = take();
+    if (!taken) {
+      if (taken.error().code == Errc::kNoFrame) break;
+      return taken;  // a lost device: closing it takes back what is in hand
+    }
+    if (taken->buffer == kNoBuffer) continue;
+    if (newest.buffer != kNoBuffer) {
+      release(newest.buffer);
+      ++skipped_;
+    }
+    newest = *taken;
+  }
+  if (newest.buffer == kNoBuffer) return fail(Errc::kNoFrame, "no frame in time");
+  return newest;
+}
+
+/// One buffer out of the driver's queue. buffer == kNoBuffer: it was damaged and is given back.
+Result<V4l2Device::Taken> V4l2Device::take() noexcept {
+  v4l2_buffer buffer = empty_buffer();
+  const int result = kernel_.ioctl(fd_, VIDIOC_DQBUF, &buffer);
+  if (result == -EAGAIN) return fail(Errc::kNoFrame, "no frame in time");
+  if (result < 0 || buffer.index >= buffer_count_)
+    return fail(Errc::kCameraLost, result == -ENODEV ? "the camera is gone" : "taking a frame failed", -result);
+  const std::size_t needed = format_->layout == PixelLayout::kJpeg
+                                 ? 1
+                                 : stride_bytes_ * static_cast<std::size_t>(request_.height_px - 1) +
+                                       row_bytes(format_->layout, request_.width_px);
+  Taken taken{buffer.index, buffer.sequence, std::min<std::size_t>(buffer.bytesused, mappings_[buffer.index].bytes),
+              exposure_of(buffer, mono_now())};
+  if ((buffer.flags & V4L2_BUF_FLAG_ERROR) == 0 && taken.bytes >= needed) return taken;
+  release(buffer.index);
+  ++flagged_;
+  taken.buffer = kNoBuffer;
+  return taken;
+}
+
+MonoTime V4l2Device::exposure_of(const v4l2_buffer& buffer, MonoTime now) const noexcept {
+  const MonoTime stamp(std::chrono::seconds(buffer.timestamp.tv_sec) +
+                       std::chrono::microseconds(buffer.timestamp.tv_usec));
+  const bool is_monotonic = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
+  if (!is_monotonic || !is_plausible_stamp(stamp, now))
+    return middle_of_exposure(now, StampPoint::kEndOfFrame, timing_);
+  const bool is_start = (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+  return middle_of_exposure(stamp, is_start ? StampPoint::kStartOfExposure : StampPoint::kEndOfFrame, timing_);
+}
+
+Result<CapturedFrame> V4l2Device::as_luma(const Taken& taken) noexcept {
+  CapturedFrame frame;
+  frame.buffer = taken.buffer;
+  frame.sequence = taken.sequence;
+  frame.exposed_at = taken.exposed_at;
+  const auto* const pixels = static_cast<const std::uint8_t*>(mappings_[taken.buffer].memory);
+  const int width = request_.width_px, height = request_.height_px;
+  frame.luma = {pixels, width, height, static_cast<std::ptrdiff_t>(stride_bytes_)};
+  frame.chroma = chroma_of(*format_, pixels, stride_bytes_, width, height, taken.bytes);
+  if (format_->layout != PixelLayout::kLumaPlane) {
+    const std::size_t picture = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    std::uint8_t* const luma = luma_.data() + taken.buffer * picture;
+    if (format_->layout == PixelLayout::kJpeg) {
+      if (const auto size = jpeg_.decode({pixels, taken.bytes}, {luma, picture}); !size) {
+        release(taken.buffer);
+        return fail(Errc::kFrameUnreadable, size.error().text);
+      }
+    } else {
+      convert_to_luma(*format_, pixels, stride_bytes_, width, height, luma);
+    }
+    frame.luma = {luma, width, height, width};
+  }
+  frame.skipped = std::exchange(skipped_, 0);
+  frame.flagged = std::exchange(flagged_, 0);
+  return frame;
+}
+
+void V4l2Device::release(std::uint32_t index) noexcept {
+  v4l2_buffer buffer = empty_buffer(index);
+  // A refusal means a device that is gone or stopped: the next DQBUF says so.
+  kernel_.ioctl(fd_, VIDIOC_QBUF, &buffer);
+}
+
+}  // namespace ninedot

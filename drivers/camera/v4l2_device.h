@@ -1,0 +1,89 @@
+#pragma once
+/// A V4L2 camera: memory-mapped buffers, taken without blocking, the newest wins.
+///
+/// GREY, NV12, NV21 and YU12 are lent in the driver's own buffer; other formats become luma in memory of ours, one
+/// picture for each of the driver's buffers. Only the single-planar interface is spoken.
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/camera/camera_device.h"
+#include "drivers/camera/exposure_stamp.h"
+#include "drivers/camera/pixel_format.h"
+#include "drivers/camera/video_kernel.h"
+#include "drivers/picture/picture_file.h"
+
+struct v4l2_buffer;
+
+namespace ninedot {
+
+/// Stamps: the driver's where they are CLOCK_MONOTONIC and plausible, else the instant at which the buffer was taken;
+/// the middle of the exposure follows by middle_of_exposure with the exposure time that the camera read back.
+class V4l2Device final : public CameraDevice {
+ public:
+  /// One with the caller, one ready, two for the driver to fill. A driver may give more or fewer, two at least.
+  static constexpr std::uint32_t kBufferCount = 4;
+
+  explicit V4l2Device(const CameraRequest& request, VideoKernel& kernel = linux_video_kernel());
+  ~V4l2Device() override { V4l2Device::close(); }
+  V4l2Device(const V4l2Device&) = delete;
+  V4l2Device& operator=(const V4l2Device&) = delete;
+
+  void open() override;
+  void close() noexcept override;
+  std::string description() const override { return description_; }
+  std::chrono::nanoseconds frame_period() const noexcept override { return period_; }
+  Result<CapturedFrame> grab(MonoTime deadline) noexcept override;
+  void release(std::uint32_t buffer) noexcept override;
+
+ private:
+  static constexpr std::uint32_t kMaxBuffers = 32;  // VIDEO_MAX_FRAME
+  static constexpr std::uint32_t kNoBuffer = 0xFFFFFFFFU;
+
+  struct Taken {  // a buffer of the driver's, or why there is none
+    std::uint32_t buffer = kNoBuffer;
+    std::uint32_t sequence = 0;
+    std::size_t bytes = 0;
+    MonoTime exposed_at{};
+  };
+
+  void open_node();
+  void agree_on_format();
+  void agree_on_rate();
+  void map_buffers();
+  void start_streaming();
+  [[noreturn]] void refuse(const std::string& what, int error) const;
+  void require(int result, const char* what) const;
+
+  Result<Taken> take() noexcept;
+  Result<Taken> take_newest() noexcept;
+  MonoTime exposure_of(const v4l2_buffer& buffer, MonoTime now) const noexcept;
+  Result<CapturedFrame> as_luma(const Taken& taken) noexcept;
+
+  const CameraRequest request_;
+  VideoKernel& kernel_;
+  int fd_ = -1;
+  bool is_streaming_ = false;
+  std::string description_;
+  std::chrono::nanoseconds period_{};
+  ShutterTiming timing_;
+
+  const PixelFormat* format_ = nullptr;
+  std::size_t stride_bytes_ = 0;
+  struct Mapping {
+    void* memory = nullptr;
+    std::size_t bytes = 0;
+  };
+  std::array<Mapping, kMaxBuffers> mappings_{};
+  std::uint32_t buffer_count_ = 0;
+  std::vector<std::uint8_t> luma_;  // one picture per buffer; empty where the driver's own is lent
+  PictureDecoder jpeg_;
+
+  std::uint32_t skipped_ = 0, flagged_ = 0;  // since the newest frame that was returned
+};
+
+/// What is wrong with a device node, for people: no such device, permission (and which group has it), busy.
+std::string describe_open_failure(const std::string& path, int error);
+
+}  // namespace ninedot

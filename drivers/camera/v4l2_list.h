@@ -1,0 +1,23 @@
+#pragma once
+/// The V4L2 cameras of this machine, for people.
+#include <string>
+#include <vector>
+
+#include "drivers/camera/video_kernel.h"
+
+namespace ninedot {
+
+struct CameraListing {
+  std::string device;                 ///< for camera.device
+  std::string name;                   ///< "HD Webcam (uvcvideo, usb-0000:00:14.0-1)"
+  std::string steady_device;          ///< of /dev/v4l/by-id or by-path: stays when numbers change; empty: none
+  std::string problem;                ///< why nothing more is known; empty: none
+  std::vector<std::string> formats;   ///< "GREY 640x480 60 Hz, 1280x720 30 Hz"
+  std::vector<std::string> controls;  ///< "Gain: 0 to 100 step 1, now 16"
+};
+
+/// Asks every node /dev/videoN; those that capture no pictures are left out. \param folder  /dev; tests have another
+std::vector<CameraListing> list_v4l2_cameras(VideoKernel& kernel = linux_video_kernel(),
+                                             const std::string& folder = "/dev");
+
+}  // namespace ninedot

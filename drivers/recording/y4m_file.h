@@ -1,0 +1,31 @@
+#pragma once
+/// YUV4MPEG2 (.y4m) files: the luma plane of 8-bit mono, 4:2:0, 4:2:2 and 4:4:4, progressive. yuv4mpeg(5) of the
+/// mjpegtools is the specification. Luma is taken as it is; most writers use 16..235 of the 256 levels.
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "drivers/picture/picture_file.h"
+
+namespace ninedot {
+
+/// A stream header or frame header is at most this long, its line feed included.
+inline constexpr std::size_t kMaxY4mHeader_bytes = 512;
+
+struct Y4mHeader {
+  PictureSize size;
+  double rate_hz = 0;            ///< 0 = the file does not say
+  std::size_t header_bytes = 0;  ///< of the stream header, line feed included
+  std::size_t chroma_bytes = 0;  ///< after the luma plane of each frame
+
+  std::size_t frame_bytes() const noexcept { return size.pixel_count() + chroma_bytes; }
+};
+
+/// \param start  the file's beginning, kMaxY4mHeader_bytes of it or all
+/// \error kFrameUnreadable, its text says which part is wrong
+Result<Y4mHeader> parse_y4m_header(std::span<const std::uint8_t> start) noexcept;
+
+/// Length of a frame header ("FRAME" ... line feed). \error kFrameUnreadable
+Result<std::size_t> parse_y4m_frame_header(std::span<const std::uint8_t> start) noexcept;
+
+}  // namespace ninedot

@@ -1,0 +1,10 @@
+#pragma once
+/// From the units of files, registers and people to those inside: metres and radians.
+#include <numbers>
+
+namespace ninedot {
+
+inline constexpr double kRadPerDeg = std::numbers::pi / 180, kDegPerRad = 180 / std::numbers::pi;
+inline constexpr double kMetresPerMm = 1e-3;
+
+}  // namespace ninedot

@@ -1,0 +1,264 @@
+// Reads the file against the table in config_reference.cpp. All mistakes are collected and the one nearest to the top
+// of the file is reported, because that is where the user starts to read.
+#include "config/config.h"
+
+#include <fmt/format.h>
+
+#include <toml++/toml.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "base/one_line.h"
+#include "base/startup_error.h"
+#include "base/units.h"
+#include "config/config_checks.h"
+#include "config/config_reference.h"
+
+namespace ninedot {
+namespace {
+
+std::string_view next_choice(std::string_view& choices) {
+  const std::string_view choice = choices.substr(0, choices.find('|'));
+  choices.remove_prefix(std::min(choices.size(), choice.size() + 1));
+  return choice;
+}
+
+/// Damerau's distance without transposed pairs counted twice: how many single-letter mistakes lead from `a` to `b`.
+std::size_t mistakes_between(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) before[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j)
+      row[j] = std::min({before[j] + 1, row[j - 1] + 1, before[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+    std::swap(before, row);
+  }
+  return before[b.size()];
+}
+
+/// "; did you mean 'rate_hz'?" or nothing.
+class Suggestion {
+ public:
+  explicit Suggestion(std::string_view typed) : typed_(typed) {}
+  void consider(std::string_view known) {
+    const std::size_t mistakes = mistakes_between(typed_, known);
+    const bool is_start = typed_.size() >= 3 && known.starts_with(typed_);  // the unit was forgotten: rate, width
+    const std::size_t cost = is_start ? 1 : mistakes;
+    if (cost >= best_cost_ || (!is_start && cost * 3 > known.size())) return;
+    best_cost_ = cost;
+    best_ = known;
+  }
+  std::string text() const { return best_.empty() ? "" : fmt::format("; did you mean '{}'?", best_); }
+
+ private:
+  std::string_view typed_, best_;
+  std::size_t best_cost_ = std::numeric_limits<std::size_t>::max();
+};
+
+class ConfigReader {
+ public:
+  ConfigReader(const toml::table& root, ConfigProblems& problems) : root_(root), problems_(problems) {}
+
+  Config read() {
+    read_table(root_, "");
+    return std::move(config_);
+  }
+
+ private:
+  static std::string join(std::string_view path, std::string_view key) {
+    return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
+  }
+
+  void read_table(const toml::table& table, std::string_view path) {
+    for (const auto& [key, node] : table) {
+      const std::string full = join(path, key.str());
+      const int line = static_cast<int>(key.source().begin.line);
+      problems_.lines.try_emplace(
+          path == "landmarks" ? fmt::format("landmarks.{}.{}", config_.landmarks.size() - 1, key.str()) : full, line);
+      if (full == "landmarks")
+        read_landmarks(node, line);
+      else if (!config_table_meaning(full).empty())
+        read_sub_table(node, full, line);
+      else
+        read_key(node, path, key.str(), line);
+    }
+  }
+
+  void read_sub_table(const toml::node& node, const std::string& path, int line) {
+    if (path == "modbus.tcp") config_.modbus_tcp.enabled = true;
+    if (path == "modbus.rtu") config_.modbus_rtu.enabled = true;
+    if (const toml::table* table = node.as_table())
+      read_table(*table, path);
+    else
+      problems_.add(line, fmt::format("'{0}' is a table; write [{0}]", path));
+  }
+
+  void read_landmarks(const toml::node& node, int line) {
+    const toml::array* array = node.as_array();
+    if (array == nullptr || !std::ranges::all_of(*array, [](const toml::node& item) { return item.is_table(); })) {
+      problems_.add(line, "'landmarks' is a list of tables; write [[landmarks]]");
+      return;
+    }
+    for (const toml::node& item : *array) {
+      config_.landmarks.emplace_back();
+      const int landmark_line = static_cast<int>(item.source().begin.line);
+      problems_.lines.emplace(fmt::format("landmarks.{}", config_.landmarks.size() - 1), landmark_line);
+      read_table(*item.as_table(), "landmarks");
+      if (!item.as_table()->contains("id")) problems_.add(landmark_line, "a landmark needs an 'id'");
+    }
+  }
+
+  void read_key(const toml::node& node, std::string_view path, std::string_view name, int line) {
+    for (const ConfigKey& key : config_keys())
+      if (key.table == path && key.name == name) {
+        std::visit([&](auto slot) { assign(key, node, slot, line); }, key.slot(config_));
+        return;
+      }
+    refuse_unknown(node, path, name, line);
+  }
+
+  void refuse_unknown(const toml::node& node, std::string_view path, std::string_view name, int line) {
+    Suggestion suggestion(name);
+    for (const ConfigKey& key : config_keys()) {
+      if (key.table == path) suggestion.consider(key.name);
+      if (path.empty() && node.is_table()) suggestion.consider(key.table);
+    }
+    std::string hint = suggestion.text();
+    for (const ConfigKey& key : config_keys())
+      if (hint.empty() && key.name == name) hint = fmt::format("; it belongs to [{}]", key.table);
+    if (node.is_table() || node.is_array_of_tables())
+      problems_.add(line, fmt::format("unknown table '{}'{}", join(path, name), hint));
+    else
+      problems_.add(line,
+                    fmt::format("unknown key '{}'{}{}", name, path.empty() ? "" : fmt::format(" in [{}]", path), hint));
+  }
+
+  void refuse_type(const ConfigKey& key, int line, std::string_view expected) {
+    problems_.add(line, fmt::format("'{}' must be {}", key.name, expected));
+  }
+
+  void assign(const ConfigKey& key, const toml::node& node, bool* slot, int line) {
+    if (const auto* value = node.as_boolean())
+      *slot = value->get();
+    else
+      refuse_type(key, line, "true or false");
+  }
+
+  void assign(const ConfigKey& key, const toml::node& node, double* slot, int line) {
+    std::optional<double> number;
+    if (const auto* value = node.as_floating_point()) number = value->get();
+    if (const auto* value = node.as_integer()) number = static_cast<double>(value->get());
+    if (!number || !std::isfinite(*number)) return refuse_type(key, line, "a finite number");
+    if (*number < key.min || *number > key.max) return refuse_range(key, fmt::format("{}", *number), line);
+    *slot = *number;
+  }
+
+  template <typename Integer>
+  void assign_integer(const ConfigKey& key, const toml::node& node, Integer* slot, int line) {
+    const auto* value = node.as_integer();
+    if (value == nullptr) return refuse_type(key, line, "a whole number");
+    const std::int64_t number = value->get();
+    if (static_cast<double>(number) < key.min || static_cast<double>(number) > key.max)
+      return refuse_range(key, fmt::format("{}", number), line);
+    *slot = static_cast<Integer>(number);
+  }
+  void assign(const ConfigKey& key, const toml::node& node, int* slot, int line) {
+    assign_integer(key, node, slot, line);
+  }
+  void assign(const ConfigKey& key, const toml::node& node, std::uint16_t* slot, int line) {
+    assign_integer(key, node, slot, line);
+  }
+  void assign(const ConfigKey& key, const toml::node& node, std::uint32_t* slot, int line) {
+    assign_integer(key, node, slot, line);
+  }
+
+  void refuse_range(const ConfigKey& key, const std::string& number, int line) {
+    problems_.add(line, fmt::format("'{}' is {}; write {} to {}{}{}", key.name, number, key.min, key.max,
+                                    key.unit.empty() ? "" : " ", key.unit));
+  }
+
+  void assign(const ConfigKey& key, const toml::node& node, std::string* slot, int line) {
+    const auto* value = node.as_string();
+    if (value == nullptr) return refuse_type(key, line, "a text in quotes");
+    if (value->get().find('\0') != std::string::npos) return refuse_type(key, line, "a text without zero bytes");
+    if (!key.choices.empty() && !check_choice(key, value->get(), line)) return;
+    *slot = value->get();
+  }
+
+  bool check_choice(const ConfigKey& key, const std::string& word, int line) {
+    Suggestion suggestion(word);
+    for (std::string_view choices = key.choices; !choices.empty();) {
+      const std::string_view choice = next_choice(choices);
+      if (choice == word) return true;
+      suggestion.consider(choice);
+    }
+    std::string all(key.choices);
+    for (std::size_t at = 0; (at = all.find('|', at)) != std::string::npos; at += 2) all.replace(at, 1, ", ");
+    problems_.add(line, fmt::format("'{}' is '{}'; write one of {}{}", key.name, word, all, suggestion.text()));
+    return false;
+  }
+
+  void assign(const ConfigKey& key, const toml::node& node, char* slot, int line) {
+    std::string word;
+    assign(key, node, &word, line);
+    if (word.size() == 1) *slot = word[0];
+  }
+
+  void assign(const ConfigKey& key, const toml::node& node, std::vector<std::string>* slot, int line) {
+    const toml::array* array = node.as_array();
+    if (array == nullptr || !std::ranges::all_of(*array, [](const toml::node& item) { return item.is_string(); }))
+      return refuse_type(key, line, "a list of texts, [\"...\", \"...\"]");
+    for (const toml::node& item : *array) slot->push_back(item.as_string()->get());
+  }
+
+  void assign(const ConfigKey& key, const toml::node& node, PositionSlot slot, int line) {
+    const toml::array* array = node.as_array();
+    if (array == nullptr || array->size() != 3) return refuse_type(key, line, "three numbers, [x, y, z]");
+    assign(key, (*array)[0], slot.x_mm, line);
+    assign(key, (*array)[1], slot.y_mm, line);
+    assign(key, (*array)[2], slot.z_mm, line);
+  }
+
+  void assign(const ConfigKey& key, const toml::node& node, std::vector<AxisPoint>* slot, int line) {
+    const toml::array* array = node.as_array();
+    if (array == nullptr) return refuse_type(key, line, "a list of pairs, [[-45, 1000], [45, 2000]]");
+    for (const toml::node& item : *array) {
+      const toml::array* pair = item.as_array();
+      if (pair == nullptr || pair->size() != 2)
+        return refuse_type(key, line, "a list of pairs, [[-45, 1000], [45, 2000]]");
+      AxisPoint& point = slot->emplace_back();
+      assign(key, (*pair)[0], &point.angle_rad, line);
+      point.angle_rad *= kRadPerDeg;
+      assign(key, (*pair)[1], &point.output, line);
+    }
+  }
+
+  const toml::table& root_;
+  ConfigProblems& problems_;
+  Config config_;
+};
+
+}  // namespace
+
+Config parse_config(std::string_view text, const std::string& name, ConfigProblems& problems) {
+  const auto refuse = [&](int line, std::string_view what) {
+    throw StartupError(ExitStatus::kWrongUsage, one_line(fmt::format("{}:{}: {}", name, line, what)));
+  };
+  toml::table root;
+  try {
+    root = toml::parse(text, name);
+  } catch (const toml::parse_error& error) {
+    refuse(static_cast<int>(error.source().begin.line), error.description());
+  }
+  Config config = ConfigReader(root, problems).read();
+  check_config(config, problems);
+  if (!problems.list.empty()) {
+    const ConfigProblem& first = *std::ranges::min_element(problems.list, {}, &ConfigProblem::line);
+    refuse(first.line, first.what);
+  }
+  return config;
+}
+
+}  // namespace ninedot

@@ -1,0 +1,142 @@
+#pragma once
+/// The configuration file: TOML, strict. An unknown, repeated or out-of-range key is an error with its line.
+/// config_reference.cpp holds the table of all keys, from which reading, checking and docs/configuration.md follow.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "aim/servo_axis.h"
+
+namespace ninedot {
+
+/// [camera]
+struct CameraConfig {
+  std::string source = "recording";  ///< `source`: libcamera | v4l2 | recording | simulated
+  std::string device;                ///< `device`: v4l2 path, libcamera id, or the recording's folder or .y4m file
+  int width_px = 640;                ///< `width_px`: 16..8192
+  int height_px = 480;               ///< `height_px`: 16..8192
+  double rate_hz = 35.0;  ///< `rate_hz`: 0.1..1000; frames per second asked of the camera, or of the recording
+  std::string pixel_format = "auto";     ///< `pixel_format`: auto, GREY, Y10, YUYV, NV12, ...
+  double exposure_us = 0;                ///< `exposure_us`: 0 = automatic .. 1e6
+  double gain = 0.0;                     ///< `gain`: 0 = automatic .. 1000
+  std::string calibration;               ///< `calibration`: camera.yaml; empty = the recording's own
+  bool lower_rate_in_the_dark = false;   ///< `lower_rate_in_the_dark`: automatic exposure may lower the frame rate
+  std::string power_line = "unchanged";  ///< `power_line`: unchanged | off | 50Hz | 60Hz | automatic
+  double readout_us = 0;                 ///< `readout_us`: 0..1e6, end of the exposure to the end of the frame
+  int stall_frames = 10;                 ///< `stall_frames`: 3..1000 frame periods without a frame: the camera is lost
+  bool wait_for_device = false;          ///< `wait_for_device`: start without the camera and go on looking for it
+  bool loop = true;                      ///< `loop`: a recording starts again at its end
+};
+
+/// [landmark]: the geometry that all landmarks share
+struct LandmarkConfig {
+  double ring_radius_mm = 80.0;      ///< `ring_radius_mm`: > 0, at most 10000
+  double dot_diameter_mm = 25.4;     ///< `dot_diameter_mm`: > 0, dots must not touch
+  double centre_diameter_mm = 50.8;  ///< `centre_diameter_mm`: > 0
+  double expected_roll_deg = 0.0;  ///< `expected_roll_deg`: -180..180; roll of the camera at which P1 is the lowest dot
+};
+
+/// [[landmarks]]: the map; none = one black-and-white landmark, id 0, at the world's origin
+struct MapLandmarkConfig {
+  int id = 0;                           ///< `id`: 0..65535, unique
+  std::string code;                     ///< `code`: eight of K R G B, P1..P8; empty = black and white
+  double x_mm = 0, y_mm = 0, z_mm = 0;  ///< `position_mm = [x, y, z]`
+  double heading_deg = 0.0;             ///< `heading_deg`: about the world's Z
+};
+
+/// [pose]
+struct PoseConfig {
+  std::string solver = "full";  ///< `solver`: full | ellipse
+  bool tracking = true;         ///< `tracking`: look where the landmark was before searching the whole picture
+  double max_ambiguity = 0.7;   ///< `max_ambiguity`: 0..1; above, the status bit `ambiguous` is set
+};
+
+/// [pose.ellipse]: what the founding paper calibrates
+struct EllipseConfig {
+  double kmm_mm_per_px = 0, p1 = 0, p2 = 0, p3 = 0, cu = 0, cv = 0;
+};
+
+/// [pan_tilt.pan], [pan_tilt.tilt]
+struct HeadAxisConfig {
+  double min_deg = -45, max_deg = 45;        ///< `min_deg`, `max_deg`: -180..180; the axis is never sent beyond
+  double neutral_deg = 0;                    ///< `neutral_deg`: where it stands at the start
+  double slew_deg_per_s = 60;                ///< `slew_deg_per_s`: 0.1..3600
+  std::string direction = "normal";          ///< `direction`: normal | reversed
+  double centre_us = 1500, us_per_deg = 10;  ///< `centre_us`, `us_per_deg`: pulse at 0 deg, and its change
+  double min_us = 1000, max_us = 2000;       ///< `min_us`, `max_us`: 200..5000; no pulse is ever beyond
+  std::vector<AxisPoint> calibration;        ///< `calibration`: [[angle_deg, pulse_us], ...]
+  std::string chip;                          ///< `chip`: sysfs-pwm: the PWM chip's device
+  int channel = 0;                           ///< `channel`: sysfs-pwm: 0..63
+  std::string line;                          ///< `line`: gpio: NAME or LABEL:OFFSET
+};
+
+/// [pan_tilt]
+struct PanTiltConfig {
+  std::string driver = "none";  ///< `driver`: none | sysfs-pwm | gpio | visca | simulated
+  bool follow = true;           ///< `follow`: the head follows the landmark from the start on
+  double gain = 0.5;            ///< `gain`: 0.01..1; part of the deviation that one frame takes away
+  double dead_band_deg = 0.2;   ///< `dead_band_deg`: 0..10; a smaller deviation is no reason to move
+  double period_ms = 20;        ///< `period_ms`: 5..40; of servo pulses
+  int pulse_priority = 60;      ///< `pulse_priority`: gpio: 0 (off)..99, SCHED_FIFO of the thread that makes pulses
+  std::string device;           ///< `device`: visca: serial port
+  int address = 1;              ///< `address`: visca: 1..7
+  int zoom = -1;                ///< `zoom`: visca: 0..1023, set at the start; -1 = left as it is
+  HeadAxisConfig pan, tilt;
+  PanTiltConfig() { tilt.channel = 1; }
+};
+
+/// [gpio]: single lines; empty = none
+struct GpioConfig {
+  std::string servo_power, status_led, inhibit;  ///< `servo_power`, `status_led`, `inhibit`: NAME or LABEL:OFFSET
+  bool servo_power_active_low = false, status_led_active_low = false, inhibit_active_low = false;
+  std::string inhibit_bias = "unchanged";  ///< `inhibit_bias`: unchanged | pull-up | pull-down
+};
+
+/// [modbus]
+struct ModbusConfig {
+  double position_scale_16bit_mm = 0.5;  ///< `position_scale_16bit_mm`: 0.01..100; one step of the 16-bit x, y, z
+  std::string float_word_order = "high-first";  ///< `float_word_order`: high-first | low-first
+  bool allow_writes = false;                    ///< `allow_writes`: commands by function codes 06 and 16
+  std::uint32_t hold_ms = 500;                  ///< `hold_ms`: 10..10000; HOLD releases itself after this time
+};
+
+/// [modbus.tcp]
+struct ModbusTcpConfig {
+  bool enabled = false;              ///< true when the table is present
+  std::string listen = "127.0.0.1";  ///< `listen`: IPv4 or IPv6 address
+  std::uint16_t port = 1502;         ///< `port`: 1..65535
+  int max_clients = 16;              ///< `max_clients`: 1..64
+  double idle_timeout_s = 60;        ///< `idle_timeout_s`: 1..86400; a connection without a request is closed
+  std::vector<std::string> allow;    ///< `allow`: addresses that may connect; empty = all
+};
+
+/// [modbus.rtu]
+struct ModbusRtuConfig {
+  bool enabled = false;               ///< true when the table is present
+  std::string device = "/dev/ttyS1";  ///< `device`
+  int baud = 115200;                  ///< `baud`: 1200..921600, a standard rate
+  char parity = 'E';                  ///< `parity`: N | E | O
+  int unit = 1;                       ///< `unit`: 1..247
+};
+
+/// [service]
+struct ServiceConfig {
+  int realtime_priority = 50;  ///< `realtime_priority`: 0 (off)..99, SCHED_FIFO of the frame loop
+  bool lock_memory = true;     ///< `lock_memory`: mlockall
+};
+
+struct Config {
+  CameraConfig camera;
+  LandmarkConfig landmark;
+  std::vector<MapLandmarkConfig> landmarks;
+  PoseConfig pose;
+  EllipseConfig ellipse;
+  PanTiltConfig pan_tilt;
+  GpioConfig gpio;
+  ModbusConfig modbus;
+  ModbusTcpConfig modbus_tcp;
+  ModbusRtuConfig modbus_rtu;
+  ServiceConfig service;
+};
+
+}  // namespace ninedot

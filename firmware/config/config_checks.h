@@ -1,0 +1,36 @@
+#pragma once
+/// What a configuration's keys must fulfil together, beyond each one's own range.
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/config.h"
+
+namespace ninedot {
+
+struct ConfigProblem {
+  int line = 0;  ///< from 1
+  std::string what;
+};
+
+/// What is wrong with a configuration file, and where its keys stand.
+struct ConfigProblems {
+  std::vector<ConfigProblem> list;
+  /// Line of "camera.rate_hz", "landmarks.0.code", "modbus.tcp", ...; only of what the file holds.
+  std::map<std::string, int, std::less<>> lines;
+
+  void add(int line, std::string what) { list.push_back({line, std::move(what)}); }
+  /// Line of a key; else of the table it belongs to; else 1.
+  int line_of(std::string_view key) const;
+};
+
+/// Touching dots, repeated identities, codes that can't be told apart, addresses that are none, rates that don't exist.
+void check_config(const Config& config, ConfigProblems& problems);
+
+/// Reads and checks the text of a configuration file.
+/// \param name  how errors call the file \param problems  empty; afterwards its `lines` are filled
+/// Throws StartupError(kWrongUsage) with "NAME:LINE: what is wrong and what to write instead".
+Config parse_config(std::string_view text, const std::string& name, ConfigProblems& problems);
+
+}  // namespace ninedot

@@ -1,0 +1,309 @@
+#include "config/config_reference.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace ninedot {
+namespace {
+
+// The smallest length of a landmark: a tenth of a millimetre is beyond any printer and any camera.
+constexpr double kMinLength_mm = 0.1;
+constexpr double kMaxLength_mm = 10000;
+constexpr double kMaxPosition_mm = 1e7;  // 10 km
+
+// A macro keeps the table one line per key: a captureless lambda cannot be written shorter.
+#define SLOT(member) [](Config& config) -> ConfigSlot { return &config.member; }
+
+// Both axes have the same keys.
+template <HeadAxisConfig PanTiltConfig::*axis>
+constexpr auto head_axis_keys(std::string_view table) {
+#define AXIS_SLOT(member) [](Config& config) -> ConfigSlot { return &(config.pan_tilt.*axis).member; }
+  return std::array{
+      ConfigKey{table, "min_deg", "deg", -180, 180, "", "the head is never sent below", AXIS_SLOT(min_deg)},
+      ConfigKey{table, "max_deg", "deg", -180, 180, "", "the head is never sent above", AXIS_SLOT(max_deg)},
+      ConfigKey{table, "neutral_deg", "deg", -180, 180, "", "where it stands at the start", AXIS_SLOT(neutral_deg)},
+      ConfigKey{table, "slew_deg_per_s", "deg/s", 0.1, 3600, "", "fastest turn", AXIS_SLOT(slew_deg_per_s)},
+      ConfigKey{table, "direction", "", 0, 0, "normal|reversed",
+                "`normal`: a longer pulse turns to the left or upwards; with `visca`: the camera stands upright",
+                AXIS_SLOT(direction)},
+      ConfigKey{table, "centre_us", "us", 200, 5000, "", "pulse at 0 deg", AXIS_SLOT(centre_us)},
+      ConfigKey{table, "us_per_deg", "us/deg", 0.1, 1000, "", "change of the pulse", AXIS_SLOT(us_per_deg)},
+      ConfigKey{table, "min_us", "us", 200, 5000, "", "no pulse is ever shorter", AXIS_SLOT(min_us)},
+      ConfigKey{table, "max_us", "us", 200, 5000, "", "no pulse is ever longer", AXIS_SLOT(max_us)},
+      ConfigKey{
+          table, "calibration", "", -1e5, 1e5, "",
+          "points `[angle_deg, pulse_us]`, with `visca` `[angle_deg, steps]`, by rising angle; takes the place of "
+          "direction, centre_us and us_per_deg",
+          AXIS_SLOT(calibration)},
+      ConfigKey{table, "chip", "", 0, 0, "",
+                "`sysfs-pwm`: device of the PWM chip, where /sys/class/pwm/pwmchipN/device points to: `fe20c000.pwm`",
+                AXIS_SLOT(chip)},
+      ConfigKey{table, "channel", "", 0, 63, "", "`sysfs-pwm`: channel of the chip", AXIS_SLOT(channel)},
+      ConfigKey{table, "line", "", 0, 0, "", "`gpio`: a line's name, or chip label and offset `LABEL:OFFSET`",
+                AXIS_SLOT(line)},
+  };
+#undef AXIS_SLOT
+}
+
+constexpr std::string_view kPixelFormats =
+    "auto|GREY|NV12|NV21|YU12|YUYV|UYVY|Y10|Y12|Y16|Y10P|Y12P|RGGB|BGGR|GRBG|GBRG|MJPG";
+
+const std::array kKeysUpToTheHead{
+    ConfigKey{"camera", "source", "", 0, 0, "libcamera|v4l2|recording|simulated", "where frames come from",
+              SLOT(camera.source)},
+    ConfigKey{
+        "camera", "device", "", 0, 0, "",
+        "V4L2 path, libcamera id, or the recording's folder or .y4m file; a recording's relative path starts at the "
+        "folder of the configuration file",
+        SLOT(camera.device)},
+    ConfigKey{"camera", "width_px", "px", 16, 8192, "", "width of the pictures", SLOT(camera.width_px)},
+    ConfigKey{"camera", "height_px", "px", 16, 8192, "", "height of the pictures", SLOT(camera.height_px)},
+    ConfigKey{"camera", "rate_hz", "Hz", 0.1, 1000, "", "frames per second asked of the camera, or of the recording",
+              SLOT(camera.rate_hz)},
+    ConfigKey{"camera", "pixel_format", "", 0, 0, kPixelFormats, "format asked of the camera",
+              SLOT(camera.pixel_format)},
+    ConfigKey{"camera", "exposure_us", "us", 0, 1e6, "", "exposure time; 0 = automatic", SLOT(camera.exposure_us)},
+    ConfigKey{"camera", "gain", "", 0, 1000, "",
+              "sensor gain, with libcamera a factor, with V4L2 in the driver's units; 0 = automatic",
+              SLOT(camera.gain)},
+    ConfigKey{"camera", "lower_rate_in_the_dark", "", 0, 0, "", "automatic exposure may lower the frame rate",
+              SLOT(camera.lower_rate_in_the_dark)},
+    ConfigKey{"camera", "power_line", "", 0, 0, "unchanged|off|50Hz|60Hz|automatic",
+              "V4L2: keeps the exposure clear of the flicker of lamps", SLOT(camera.power_line)},
+    ConfigKey{"camera", "readout_us", "us", 0, 1e6, "",
+              "from the end of the exposure to the end of the frame, for cameras that stamp the end: global shutter "
+              "the whole read-out, rolling shutter half of it",
+              SLOT(camera.readout_us)},
+    ConfigKey{"camera", "stall_frames", "", 3, 1000, "",
+              "so many frame periods without a frame: the camera is lost, and is opened again",
+              SLOT(camera.stall_frames)},
+    ConfigKey{"camera", "wait_for_device", "", 0, 0, "",
+              "`ninedotd` starts without the camera and goes on looking for it, instead of ending with status 2",
+              SLOT(camera.wait_for_device)},
+    ConfigKey{
+        "camera", "calibration", "", 0, 0, "",
+        "camera.yaml of this camera and lens; a relative path starts at the folder of the configuration file; empty = "
+        "the recording's own",
+        SLOT(camera.calibration)},
+    ConfigKey{"camera", "loop", "", 0, 0, "", "a recording starts again at its end", SLOT(camera.loop)},
+
+    ConfigKey{"landmark", "ring_radius_mm", "mm", kMinLength_mm, kMaxLength_mm, "",
+              "radius of the circle through the middles of P1..P8", SLOT(landmark.ring_radius_mm)},
+    ConfigKey{"landmark", "dot_diameter_mm", "mm", kMinLength_mm, kMaxLength_mm, "", "of P1..P8; dots must not touch",
+              SLOT(landmark.dot_diameter_mm)},
+    ConfigKey{"landmark", "centre_diameter_mm", "mm", kMinLength_mm, kMaxLength_mm, "", "of P9, the largest dot",
+              SLOT(landmark.centre_diameter_mm)},
+    ConfigKey{"landmark", "expected_roll_deg", "deg", -180, 180, "",
+              "roll of the camera about its optical axis at which P1 is the lowest dot",
+              SLOT(landmark.expected_roll_deg)},
+
+    ConfigKey{"landmarks", "id", "", 0, 65535, "", "number in reports, unique; must be given",
+              [](Config& config) -> ConfigSlot { return &config.landmarks.back().id; }},
+    ConfigKey{
+        "landmarks", "code", "", 0, 0, "",
+        "colours of P1..P8, eight of K (black) R G B, different from every turn of itself and of the others; empty = "
+        "black and white",
+        [](Config& config) -> ConfigSlot { return &config.landmarks.back().code; }},
+    ConfigKey{"landmarks", "position_mm", "mm", -kMaxPosition_mm, kMaxPosition_mm, "",
+              "[x, y, z] of the middle of P9 in the world, Z up",
+              [](Config& config) -> ConfigSlot {
+                MapLandmarkConfig& landmark = config.landmarks.back();
+                return PositionSlot{&landmark.x_mm, &landmark.y_mm, &landmark.z_mm};
+              }},
+    ConfigKey{"landmarks", "heading_deg", "deg", -360, 360, "", "turn of the upright sheet about the world's Z",
+              [](Config& config) -> ConfigSlot { return &config.landmarks.back().heading_deg; }},
+
+    ConfigKey{"pose", "solver", "", 0, 0, "full|ellipse",
+              "`full`: near the maximum likelihood; `ellipse`: the founding paper's", SLOT(pose.solver)},
+    ConfigKey{"pose", "tracking", "", 0, 0, "", "look where the landmark was before searching the whole picture",
+              SLOT(pose.tracking)},
+    ConfigKey{"pose", "max_ambiguity", "", 0, 1, "", "above, the status bit `ambiguous` is set",
+              SLOT(pose.max_ambiguity)},
+
+    ConfigKey{"pose.ellipse", "kmm_mm_per_px", "mm/px", 0, 1, "", "Kmm of equation (6); 0 = of the calibrated camera",
+              SLOT(ellipse.kmm_mm_per_px)},
+    ConfigKey{"pose.ellipse", "p1", "mm/px", -1, 1, "", "F(D') = p1 + p2 D'^p3 (9), D' in mm; 0 = no refinement",
+              SLOT(ellipse.p1)},
+    ConfigKey{"pose.ellipse", "p2", "", -1e6, 1e6, "", "of the same", SLOT(ellipse.p2)},
+    ConfigKey{"pose.ellipse", "p3", "", -10, 10, "", "of the same", SLOT(ellipse.p3)},
+    ConfigKey{"pose.ellipse", "cu", "", -1, 1, "", "off-centre correction along u (32)", SLOT(ellipse.cu)},
+    ConfigKey{"pose.ellipse", "cv", "", -1, 1, "", "off-centre correction along v (33)", SLOT(ellipse.cv)},
+
+    ConfigKey{"pan_tilt", "driver", "", 0, 0, "none|sysfs-pwm|gpio|visca|simulated",
+              "how the head is moved: PWM of the kernel, pulses on GPIO lines, a camera that speaks VISCA, not at all",
+              SLOT(pan_tilt.driver)},
+    ConfigKey{"pan_tilt", "follow", "", 0, 0, "",
+              "keep the landmark in the middle of the picture from the start on; else stay until a command comes",
+              SLOT(pan_tilt.follow)},
+    ConfigKey{"pan_tilt", "gain", "", 0.01, 1, "", "part of the deviation from the middle that one frame takes away",
+              SLOT(pan_tilt.gain)},
+    ConfigKey{"pan_tilt", "dead_band_deg", "deg", 0, 10, "", "a smaller deviation is no reason to move",
+              SLOT(pan_tilt.dead_band_deg)},
+    ConfigKey{"pan_tilt", "period_ms", "ms", 5, 40, "", "`sysfs-pwm`, `gpio`: from pulse to pulse",
+              SLOT(pan_tilt.period_ms)},
+    ConfigKey{"pan_tilt", "pulse_priority", "", 0, 99, "",
+              "`gpio`: SCHED_FIFO priority of the thread that makes the pulses; 0 = off",
+              SLOT(pan_tilt.pulse_priority)},
+    ConfigKey{"pan_tilt", "device", "", 0, 0, "", "`visca`: serial port of the camera", SLOT(pan_tilt.device)},
+    ConfigKey{"pan_tilt", "address", "", 1, 7, "", "`visca`: the camera's place in the chain", SLOT(pan_tilt.address)},
+    ConfigKey{"pan_tilt", "zoom", "", -1, 1023, "",
+              "`visca`: zoom position set at the start, the one that the camera was calibrated at; -1 = left as it is",
+              SLOT(pan_tilt.zoom)},
+};
+
+const std::array kKeysAfterTheHead{
+    ConfigKey{"gpio", "servo_power", "", 0, 0, "",
+              "output: active while the head may be driven; a line's name, or chip label and offset `LABEL:OFFSET`",
+              SLOT(gpio.servo_power)},
+    ConfigKey{"gpio", "servo_power_active_low", "", 0, 0, "", "low = the servos have power",
+              SLOT(gpio.servo_power_active_low)},
+    ConfigKey{"gpio", "status_led", "", 0, 0, "", "output: blinks what is the matter, see docs/pan-tilt.md",
+              SLOT(gpio.status_led)},
+    ConfigKey{"gpio", "status_led_active_low", "", 0, 0, "", "low = lit", SLOT(gpio.status_led_active_low)},
+    ConfigKey{"gpio", "inhibit", "", 0, 0, "", "input: while it is active the head does not move", SLOT(gpio.inhibit)},
+    ConfigKey{"gpio", "inhibit_active_low", "", 0, 0, "", "low = the head must not move",
+              SLOT(gpio.inhibit_active_low)},
+    ConfigKey{"gpio", "inhibit_bias", "", 0, 0, "unchanged|pull-up|pull-down",
+              "resistor inside the chip, if it has one", SLOT(gpio.inhibit_bias)},
+
+    ConfigKey{"modbus", "position_scale_16bit_mm", "mm", 0.01, 100, "", "one step of the 16-bit x, y, z",
+              SLOT(modbus.position_scale_16bit_mm)},
+    ConfigKey{"modbus", "float_word_order", "", 0, 0, "high-first|low-first", "which half of a float32 comes first",
+              SLOT(modbus.float_word_order)},
+    ConfigKey{"modbus", "allow_writes", "", 0, 0, "", "take commands by function codes 06 and 16",
+              SLOT(modbus.allow_writes)},
+    ConfigKey{"modbus", "hold_ms", "ms", 10, 10000, "", "HOLD releases itself after this time", SLOT(modbus.hold_ms)},
+
+    ConfigKey{"modbus.tcp", "listen", "", 0, 0, "", "IPv4 or IPv6 address; 0.0.0.0 = on all networks",
+              SLOT(modbus_tcp.listen)},
+    ConfigKey{"modbus.tcp", "port", "", 1, 65535, "", "TCP port; below 1024 only with CAP_NET_BIND_SERVICE",
+              SLOT(modbus_tcp.port)},
+    ConfigKey{"modbus.tcp", "max_clients", "", 1, 64, "", "connections at a time", SLOT(modbus_tcp.max_clients)},
+    ConfigKey{"modbus.tcp", "idle_timeout_s", "s", 1, 86400, "",
+              "a connection without a request is closed after this time", SLOT(modbus_tcp.idle_timeout_s)},
+    ConfigKey{"modbus.tcp", "allow", "", 0, 0, "",
+              "addresses, or networks like `10.0.0.0/8`, that may connect; empty = all", SLOT(modbus_tcp.allow)},
+
+    ConfigKey{"modbus.rtu", "device", "", 0, 0, "", "serial port", SLOT(modbus_rtu.device)},
+    ConfigKey{"modbus.rtu", "baud", "", 1200, 921600, "", "one of the standard rates", SLOT(modbus_rtu.baud)},
+    ConfigKey{"modbus.rtu", "parity", "", 0, 0, "N|E|O", "none, even or odd; one stop bit", SLOT(modbus_rtu.parity)},
+    ConfigKey{"modbus.rtu", "unit", "", 1, 247, "", "this device's address on the line", SLOT(modbus_rtu.unit)},
+
+    ConfigKey{"service", "realtime_priority", "", 0, 99, "", "SCHED_FIFO priority of the frame loop; 0 = off",
+              SLOT(service.realtime_priority)},
+    ConfigKey{"service", "lock_memory", "", 0, 0, "", "keep the service in memory (mlockall)",
+              SLOT(service.lock_memory)},
+};
+#undef SLOT
+
+struct TableMeaning {
+  std::string_view table, meaning;
+};
+constexpr std::array kTables{
+    TableMeaning{"camera", "The camera, or what stands in for it."},
+    TableMeaning{"landmark", "The geometry that all landmarks share."},
+    TableMeaning{"landmarks",
+                 "The map: one table `[[landmarks]]` for each landmark. None = one black-and-white landmark, id 0, at "
+                 "the world's origin. Upright on a wall is heading 0."},
+    TableMeaning{"pose", "How the pose is computed."},
+    TableMeaning{"pose.ellipse", "What the founding paper calibrates off line, for `solver = \"ellipse\"`."},
+    TableMeaning{"pan_tilt", "The pan/tilt head: see docs/pan-tilt.md."},
+    TableMeaning{"pan_tilt.pan", "Its lower axis. Angles are positive to the left."},
+    TableMeaning{"pan_tilt.tilt", "Its upper axis. Angles are positive upwards."},
+    TableMeaning{"gpio", "Single digital lines. An empty name = there is none."},
+    TableMeaning{"modbus", "What both Modbus servers share."},
+    TableMeaning{"modbus.tcp", "Modbus TCP; served when the table is there, be it empty."},
+    TableMeaning{"modbus.rtu", "Modbus RTU on a serial line; served when the table is there, be it empty."},
+    TableMeaning{"service", "How `ninedotd` runs."},
+};
+
+/// What a key is when the file does not say.
+std::string default_text(const ConfigKey& key) {
+  Config config;
+  config.landmarks.emplace_back();
+  struct Printer {
+    std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
+    std::string operator()(const int* value) const { return fmt::format("{}", *value); }
+    std::string operator()(const std::uint16_t* value) const { return fmt::format("{}", *value); }
+    std::string operator()(const std::uint32_t* value) const { return fmt::format("{}", *value); }
+    std::string operator()(const double* value) const { return fmt::format("{}", *value); }
+    std::string operator()(const char* value) const { return fmt::format("\"{}\"", *value); }
+    std::string operator()(const std::string* value) const { return fmt::format("\"{}\"", *value); }
+    std::string operator()(const std::vector<std::string>*) const { return "[]"; }
+    std::string operator()(const PositionSlot&) const { return "[0, 0, 0]"; }
+    std::string operator()(const std::vector<AxisPoint>*) const { return "[]"; }
+  };
+  return std::visit(Printer{}, key.slot(config));
+}
+
+std::string range_text(const ConfigKey& key) {
+  if (!key.choices.empty()) {
+    std::string text;
+    for (const char c : key.choices) text += c == '|' ? std::string(", ") : std::string(1, c);
+    return text;
+  }
+  Config config;
+  config.landmarks.emplace_back();
+  struct Printer {
+    const ConfigKey& key;
+    std::string numbers() const { return fmt::format("{} .. {}", key.min, key.max); }
+    std::string operator()(const bool*) const { return "true, false"; }
+    std::string operator()(const int*) const { return numbers(); }
+    std::string operator()(const std::uint16_t*) const { return numbers(); }
+    std::string operator()(const std::uint32_t*) const { return numbers(); }
+    std::string operator()(const double*) const { return numbers(); }
+    std::string operator()(const char*) const { return "letter"; }
+    std::string operator()(const std::string*) const { return "text"; }
+    std::string operator()(const std::vector<std::string>*) const { return "list of texts"; }
+    std::string operator()(const PositionSlot&) const { return "three, each " + numbers(); }
+    std::string operator()(const std::vector<AxisPoint>*) const { return "list of pairs"; }
+  };
+  return std::visit(Printer{key}, key.slot(config));
+}
+
+constexpr std::string_view kIntroduction = R"(# Configuration
+
+One TOML file. It is read strictly: an unknown, repeated or out-of-range key is an error that names its line, and so is a
+landmark whose dots touch. `ninedot check --config FILE` says what the service would refuse, before the service is started.
+Every key may be left out unless its line says otherwise.
+
+This page is made from the table in `firmware/config/config_reference.cpp`; a test compares the two.
+)";
+
+}  // namespace
+
+std::span<const ConfigKey> config_keys() {
+  static const std::vector<ConfigKey> keys = [] {
+    std::vector<ConfigKey> all(kKeysUpToTheHead.begin(), kKeysUpToTheHead.end());
+    for (const ConfigKey& key : head_axis_keys<&PanTiltConfig::pan>("pan_tilt.pan")) all.push_back(key);
+    for (const ConfigKey& key : head_axis_keys<&PanTiltConfig::tilt>("pan_tilt.tilt")) all.push_back(key);
+    all.insert(all.end(), kKeysAfterTheHead.begin(), kKeysAfterTheHead.end());
+    return all;
+  }();
+  return keys;
+}
+
+std::string_view config_table_meaning(std::string_view table) {
+  for (const TableMeaning& entry : kTables)
+    if (entry.table == table) return entry.meaning;
+  return {};
+}
+
+std::string format_config_reference() {
+  std::string text(kIntroduction);
+  std::string_view table;
+  for (const ConfigKey& key : config_keys()) {
+    if (key.table != table) {
+      table = key.table;
+      const bool is_array = table == "landmarks";
+      text += fmt::format("\n## {}{}{}\n\n{}\n\n| key | unit | range | default | meaning |\n|---|---|---|---|---|\n",
+                          is_array ? "[[" : "[", table, is_array ? "]]" : "]", config_table_meaning(table));
+    }
+    text += fmt::format("| `{}` | {} | {} | `{}` | {} |\n", key.name, key.unit, range_text(key), default_text(key),
+                        key.meaning);
+  }
+  return text;
+}
+
+}  // namespace ninedot

@@ -1,0 +1,218 @@
+// The layout, from top to bottom: a band with the arrow, the white sheet, a band with the scale bar and the words. The
+// bands lie outside of the sheet, so nothing but dots is on it and they can be cut off.
+#include "drawing/pattern.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "base/startup_error.h"
+#include "geometry/landmark.h"
+
+namespace ninedot {
+namespace {
+
+constexpr double kPrinterMargin_mm = 5;  // few office printers reach closer to the edge
+constexpr double kTopBand_mm = 18, kBottomBand_mm = 44;
+constexpr double kScaleBar_mm = 100, kNarrowestPaper_mm = 130;
+constexpr double kLargestPaper_mm = 5000;  // a PDF page ends at 14400 points = 5080 mm
+constexpr double kLargestLength_mm = 10000;
+constexpr PageColour kBlack{0, 0, 0}, kCutGrey{0.6, 0.6, 0.6};
+
+constexpr double kLeastWhite_radii = 0.9;  // beside the ring dots, in dot radii: what the paper must leave
+
+// Dark enough that each has at most 30 % of the paper's luma (BT.601), so the detector sees a dot, and pure in hue.
+constexpr PageColour kRed{0.8, 0, 0}, kGreen{0, 0.5, 0}, kBlue{0, 0, 0.8};
+
+constexpr std::array<std::string_view, 6> kKnownCodes{"", "KRGBKKRB", "RRGKBGKB", "KKGRRBGB", "RKBGGKRB", "BKKRGRGB"};
+
+[[noreturn]] void refuse(const std::string& line) { throw StartupError(ExitStatus::kWrongUsage, line); }
+
+PageColour colour_of(char letter) {
+  switch (letter) {
+    case 'R':
+      return kRed;
+    case 'G':
+      return kGreen;
+    case 'B':
+      return kBlue;
+    default:
+      return kBlack;
+  }
+}
+
+bool is_black_and_white(std::string_view code) { return code.find_first_not_of('K') == std::string_view::npos; }
+
+void check_code(const std::string& code) {
+  if (code.empty()) return;
+  if (code.size() != kRingDotCount || code.find_first_not_of("KRGB") != std::string::npos)
+    refuse(fmt::format("--code {}: give eight letters of K R G B, for P1 to P8, for example KRGBKKRB", code));
+  if (is_black_and_white(code)) return;
+  for (std::size_t turn = 1; turn < kRingDotCount; ++turn)
+    if (code.substr(turn) + code.substr(0, turn) == code)
+      refuse(fmt::format(
+          "--code {}: it looks the same after a turn by {} dots, so nobody can tell which way is up: change a letter",
+          code, turn));
+}
+
+void check_lengths(const PatternOptions& o) {
+  const auto check = [](const char* option, double length_mm) {
+    if (!(length_mm > 0 && length_mm <= kLargestLength_mm))
+      refuse(fmt::format("{} {}: give a length above 0 and up to {} mm", option, length_mm, kLargestLength_mm));
+  };
+  check("--ring-radius-mm", o.ring_radius_mm);
+  check("--dot-diameter-mm", o.dot_diameter_mm);
+  check("--centre-diameter-mm", o.centre_diameter_mm);
+  const double between_neighbours_mm = 2 * o.ring_radius_mm * std::sin(std::numbers::pi / kRingDotCount);
+  const bool neighbours_touch = o.dot_diameter_mm >= between_neighbours_mm;
+  if (neighbours_touch || (o.dot_diameter_mm + o.centre_diameter_mm) / 2 >= o.ring_radius_mm)
+    refuse(
+        fmt::format("dots touch: with --ring-radius-mm {0:g} use for example --dot-diameter-mm {1:.1f} "
+                    "--centre-diameter-mm {2:.1f}",
+                    o.ring_radius_mm, o.ring_radius_mm * 25.4 / 80, o.ring_radius_mm * 50.8 / 80));
+}
+
+struct Paper {
+  double width_mm, height_mm;
+};
+
+/// Upright, whichever way round it was named.
+Paper parse_sheet(const std::string& sheet) {
+  std::string name = sheet;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  constexpr std::array<Paper, 6> kIso216{{{841, 1189}, {594, 841}, {420, 594}, {297, 420}, {210, 297}, {148, 210}}};
+  if (name.size() == 2 && name[0] == 'a' && name[1] >= '0' && name[1] <= '5')
+    return kIso216[static_cast<std::size_t>(name[1] - '0')];
+  double first_mm = 0, second_mm = 0;
+  const char* const end = name.data() + name.size();
+  const auto first = std::from_chars(name.data(), end, first_mm);
+  const bool has_cross = first.ec == std::errc{} && first.ptr != end && *first.ptr == 'x';
+  const auto second = has_cross ? std::from_chars(first.ptr + 1, end, second_mm) : first;
+  if (!has_cross || second.ec != std::errc{} || second.ptr != end)
+    refuse(fmt::format("--sheet {}: give a0 to a5, or WIDTHxHEIGHT in mm, for example 210x297", sheet));
+  const Paper paper{std::min(first_mm, second_mm), std::max(first_mm, second_mm)};
+  if (!(paper.width_mm >= kNarrowestPaper_mm && paper.height_mm <= kLargestPaper_mm))
+    refuse(fmt::format("--sheet {}: give sides of at least {} mm, for the scale bar, and at most {} mm", sheet,
+                       kNarrowestPaper_mm, kLargestPaper_mm));
+  return paper;
+}
+
+double sheet_side_mm(const PatternOptions& o) {
+  return 2 * o.ring_radius_mm + o.dot_diameter_mm * (1 + LandmarkGeometry::kWhite_radii);
+}
+
+/// The factor by which the landmark may grow (below 1: must shrink) to just fit: dots within the printer's reach,
+/// enough white at the paper's edge, and the bands above and below the sheet.
+double largest_factor(const PatternOptions& o, const Paper& paper) {
+  const double half_mm = paper.width_mm / 2, dot_radius_mm = o.dot_diameter_mm / 2;
+  return std::min({(half_mm - kPrinterMargin_mm) / (o.ring_radius_mm + dot_radius_mm),
+                   half_mm / (o.ring_radius_mm + dot_radius_mm * (1 + kLeastWhite_radii)),
+                   (paper.height_mm - kTopBand_mm - kBottomBand_mm) / sheet_side_mm(o)});
+}
+
+void check_fit(const PatternOptions& o, const Paper& paper) {
+  const double factor = largest_factor(o, paper);
+  if (factor >= 1) return;
+  const auto shrunk = [&](double length_mm) { return std::floor(length_mm * factor * 10) / 10; };
+  refuse(fmt::format(
+      "the landmark does not fit on {0} ({1:g} x {2:g} mm): use a larger --sheet, or at most --ring-radius-mm {3:.1f} "
+      "--dot-diameter-mm {4:.1f} --centre-diameter-mm {5:.1f}",
+      o.sheet, paper.width_mm, paper.height_mm, shrunk(o.ring_radius_mm), shrunk(o.dot_diameter_mm),
+      shrunk(o.centre_diameter_mm)));
+}
+
+void add_dots(PatternPage& page, const PatternOptions& o, const PagePoint& middle) {
+  const LandmarkGeometry geometry{o.ring_radius_mm, o.dot_diameter_mm / 2, o.centre_diameter_mm / 2};  // in mm here
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    const Eigen::Vector2d centre_mm = geometry.centre_m(dot);
+    const PageColour colour = dot == kCentreDot || o.code.empty() ? kBlack : colour_of(o.code[dot]);
+    // X0 points to the viewer's left, Z0 up; the page's x to the right, y down.
+    page.items.emplace_back(
+        PageDisc{{middle.x_mm - centre_mm.x(), middle.y_mm - centre_mm.y()}, 2 * geometry.radius_m(dot), colour});
+  }
+}
+
+/// Sides that fall on the edge of the paper or where no printer reaches are left out: there the paper's edge is the
+/// cut.
+void add_cut_lines(PatternPage& page, const PagePoint& middle, double side_mm) {
+  const double right_end_mm = page.width_mm - kPrinterMargin_mm;
+  const double left = middle.x_mm - side_mm / 2, right = middle.x_mm + side_mm / 2;
+  const double top = middle.y_mm - side_mm / 2, bottom = middle.y_mm + side_mm / 2;
+  const double from = std::max(left, kPrinterMargin_mm), to = std::min(right, right_end_mm);
+  constexpr double kWidth_mm = 0.15;
+  for (const double y : {top, bottom}) page.items.emplace_back(PageLine{{from, y}, {to, y}, kWidth_mm, kCutGrey});
+  if (left < kPrinterMargin_mm) return;
+  for (const double x : {left, right}) page.items.emplace_back(PageLine{{x, top}, {x, bottom}, kWidth_mm, kCutGrey});
+}
+
+void add_up_arrow(PatternPage& page) {
+  const double x = page.width_mm / 2, top = 6;
+  page.items.emplace_back(PageTriangle{{{x, top}, {x - 2.5, top + 5}, {x + 2.5, top + 5}}});
+  page.items.emplace_back(PageLine{{x, top + 5}, {x, top + 10}, 1.2, kBlack});
+  page.items.emplace_back(PageText{{x + 5, top + 7}, 5, "UP"});
+}
+
+void add_scale_bar(PatternPage& page, const PagePoint& left) {
+  constexpr double kWidth_mm = 0.25;
+  page.items.emplace_back(PageLine{left, {left.x_mm + kScaleBar_mm, left.y_mm}, kWidth_mm, kBlack});
+  for (int i = 0; i <= 10; ++i) {
+    const double x = left.x_mm + kScaleBar_mm * i / 10;
+    const double length_mm = i == 0 || i == 10 ? 6 : i == 5 ? 4 : 2.5;
+    page.items.emplace_back(PageLine{{x, left.y_mm}, {x, left.y_mm - length_mm}, kWidth_mm, kBlack});
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> known_code(int landmark_id) {
+  if (landmark_id < 0 || static_cast<std::size_t>(landmark_id) >= kKnownCodes.size()) return std::nullopt;
+  return std::string(kKnownCodes[static_cast<std::size_t>(landmark_id)]);
+}
+
+std::optional<int> known_id(std::string_view code) {
+  if (is_black_and_white(code)) return 0;
+  for (std::size_t id = 1; id < kKnownCodes.size(); ++id)
+    if (kKnownCodes[id] == code) return static_cast<int>(id);
+  return std::nullopt;
+}
+
+PatternPage make_pattern_page(const PatternOptions& options) {
+  check_code(options.code);
+  check_lengths(options);
+  const Paper paper = parse_sheet(options.sheet);
+  check_fit(options, paper);
+
+  PatternPage page;
+  page.width_mm = paper.width_mm, page.height_mm = paper.height_mm;
+  const std::string kind = is_black_and_white(options.code) ? "black and white" : "code " + options.code;
+  page.title = options.landmark_id >= 0 ? fmt::format("ninedot landmark {}, {}", options.landmark_id, kind)
+                                        : "ninedot landmark, " + kind;
+  const double side_mm = sheet_side_mm(options);
+  const PagePoint middle{paper.width_mm / 2, kTopBand_mm + side_mm / 2};
+  add_cut_lines(page, middle, side_mm);
+  add_dots(page, options, middle);
+  add_up_arrow(page);
+
+  const PagePoint bar{paper.width_mm / 2 - kScaleBar_mm / 2, kTopBand_mm + side_mm + 12};
+  add_scale_bar(page, bar);
+  const std::array<std::string, 5> lines{
+      "check: this bar is 100 mm long", page.title,
+      fmt::format("ring radius {:g} mm, dots {:g} mm, centre dot {:g} mm in diameter", options.ring_radius_mm,
+                  options.dot_diameter_mm, options.centre_diameter_mm),
+      "print at 100 % - actual size, not fitted to the page - on matt paper",
+      "cut along the grey lines; mount flat, arrow up: P1 is the lowest dot"};
+  double y_mm = bar.y_mm + 5;
+  for (const std::string& line : lines) {
+    page.items.emplace_back(PageText{{bar.x_mm, y_mm}, 3.2, line});
+    y_mm += 5;
+  }
+  return page;
+}
+
+}  // namespace ninedot

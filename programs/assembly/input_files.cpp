@@ -1,0 +1,38 @@
+#include "programs/assembly/input_files.h"
+
+#include <filesystem>
+
+#include "calibrate/camera_file.h"
+#include "drivers/posix/text_file.h"
+
+namespace ninedot {
+namespace {
+
+/// Far beyond any configuration or calibration that a person writes: another file was named by mistake.
+constexpr std::size_t kMaxFile_bytes = std::size_t{1} << 20U;
+
+/// Paths in a configuration are relative to the file that they stand in, wherever the program was started.
+void make_absolute(std::string& path, const std::string& config_path) {
+  if (!path.empty() && !std::filesystem::path(path).is_absolute())
+    path = (std::filesystem::path(config_path).parent_path() / path).lexically_normal().string();
+}
+
+}  // namespace
+
+Config read_config(const std::string& path) {
+  ConfigProblems problems;
+  return read_config(path, problems);
+}
+
+Config read_config(const std::string& path, ConfigProblems& problems) {
+  Config config = parse_config(read_text_file(path, kMaxFile_bytes), path, problems);
+  if (config.camera.source == "recording") make_absolute(config.camera.device, path);
+  make_absolute(config.camera.calibration, path);
+  return config;
+}
+
+CameraModel read_camera_file(const std::string& path) {
+  return parse_camera(read_text_file(path, kMaxFile_bytes), path);
+}
+
+}  // namespace ninedot

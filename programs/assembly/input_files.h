@@ -1,0 +1,21 @@
+#pragma once
+/// The files that a program starts from.
+#include <string>
+
+#include "config/config_checks.h"
+#include "geometry/camera_model.h"
+
+namespace ninedot {
+
+/// Reads and checks a configuration file.
+/// Throws StartupError(kWrongUsage) with "FILE:LINE: what is wrong and what to write instead".
+/// A relative `calibration`, and a recording's relative `device`, come back as seen from the folder of the file.
+Config read_config(const std::string& path);
+
+/// The same, which also tells where the keys stand. \param problems  empty; afterwards its `lines` are filled
+Config read_config(const std::string& path, ConfigProblems& problems);
+
+/// Reads and checks a calibration. Throws StartupError(kWrongUsage), "FILE:LINE: what is wrong".
+CameraModel read_camera_file(const std::string& path);
+
+}  // namespace ninedot

@@ -1,0 +1,40 @@
+#include "programs/assembly/localiser_options.h"
+
+#include <numbers>
+
+#include "base/startup_error.h"
+#include "base/units.h"
+#include "world/landmark_map.h"
+
+namespace ninedot {
+namespace {}  // namespace
+
+LocaliserOptions localiser_options(const Config& config) {
+  if (config.landmarks.size() > 1)
+    throw StartupError(
+        ExitStatus::kWrongUsage,
+        "[[landmarks]]: black-and-white landmarks look alike, so that only one can be told from the rest: "
+        "keep one entry");
+  LocaliserOptions options;
+  options.landmark = {config.landmark.ring_radius_mm * kMetresPerMm, config.landmark.dot_diameter_mm / 2 * kMetresPerMm,
+                      config.landmark.centre_diameter_mm / 2 * kMetresPerMm};
+  options.detector.expected_roll_rad = config.landmark.expected_roll_deg * kRadPerDeg;
+  options.solver = config.pose.solver == "ellipse" ? Solver::kEllipse : Solver::kFull;
+  const EllipseConfig& e = config.ellipse;
+  options.ellipse = {e.kmm_mm_per_px, e.p1, e.p2, e.p3, e.cu, e.cv};
+  options.tracking = config.pose.tracking;
+  options.max_ambiguity = config.pose.max_ambiguity;
+  if (!config.landmarks.empty()) {
+    const MapLandmarkConfig& landmark = config.landmarks.front();
+    if (!landmark.code.empty())
+      throw StartupError(ExitStatus::kWrongUsage,
+                         "[[landmarks]]: this version does not read colour codes yet: leave `code` out for a "
+                         "black-and-white landmark");
+    options.landmark_id = static_cast<std::uint16_t>(landmark.id);
+    options.T_world_landmark = place_upright(
+        Eigen::Vector3d(landmark.x_mm, landmark.y_mm, landmark.z_mm) * kMetresPerMm, landmark.heading_deg * kRadPerDeg);
+  }
+  return options;
+}
+
+}  // namespace ninedot

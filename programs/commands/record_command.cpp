@@ -1,0 +1,107 @@
+// `ninedot record`: frames of the configured source into a recording, until --frames are there, the source ends or the
+// user stops.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include "base/startup_error.h"
+#include "calibrate/camera_file.h"
+#include "config/config.h"
+#include "drivers/posix/signals.h"
+#include "drivers/recording/recording_index.h"
+#include "drivers/recording/recording_writer.h"
+#include "programs/assembly/input_files.h"
+#include "programs/assembly/open_source.h"
+#include "programs/commands/commands.h"
+
+namespace ninedot {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A camera that gives no picture for so long will give none.
+constexpr auto kPatience = 5s;
+
+struct RecordArguments {
+  std::string config, out;
+  std::uint64_t frames = 0;  ///< 0 = until the end
+};
+
+/// The calibration to record beside the pictures: empty where the camera has none yet (one records in order to
+/// calibrate).
+std::string calibration_text(const CameraConfig& config) {
+  const bool has_own =
+      config.source == "recording" && ::access(recording_camera_file(config.device).c_str(), F_OK) == 0;
+  if (config.calibration.empty() && !has_own) return {};
+  return format_camera(read_camera_calibration(config), "recorded");
+}
+
+void show_progress(const RecordArguments& arguments, std::uint64_t count) {
+  static const bool is_terminal = ::isatty(STDERR_FILENO) == 1;
+  if (!is_terminal) return;
+  if (arguments.frames > 0)
+    fmt::print(stderr, "\rframe {} of {}", count, arguments.frames);
+  else
+    fmt::print(stderr, "\rframe {}, Ctrl-C ends", count);
+}
+
+/// Why a source that has no more to give ended the recording; throws where that is a failure.
+void check_failure(const OpenedSource& source, const Error& error, MonoTime last_frame_at) {
+  const std::string detail = source.describe_failure != nullptr ? source.describe_failure(*source.frames) : "";
+  if (!detail.empty()) throw StartupError(ExitStatus::kWorkFailed, detail);
+  if (mono_now() - last_frame_at > kPatience)
+    throw StartupError(ExitStatus::kWorkFailed, fmt::format("no frame for {} s: {}", kPatience.count(), error.text));
+}
+
+void run_record(const RecordArguments& arguments) {
+  const Config config = read_config(arguments.config);
+  const TerminationSignals signals;  // before the first thread
+  const std::string calibration = calibration_text(config.camera);
+  OpenedSource source = open_source(config.camera, FrameDemand::kEveryFrame);
+  RecordingWriter writer(arguments.out, calibration);
+
+  std::uint64_t lost = 0;
+  MonoTime last_frame_at = mono_now();
+  while (signals.wait(0ns) == 0 && (arguments.frames == 0 || writer.frame_count() < arguments.frames)) {
+    const Result<FrameLease> frame = source.frames->next(mono_now() + 200ms);
+    if (!frame) {
+      if (frame.error().code == Errc::kEndOfStream) break;
+      check_failure(source, frame.error(), last_frame_at);
+      continue;
+    }
+    last_frame_at = mono_now();
+    lost += frame->dropped_before;
+    const Result<std::uint64_t> number = writer.add(*frame);
+    if (!number)
+      throw StartupError(
+          ExitStatus::kWorkFailed,
+          fmt::format("{}: {}; {}", arguments.out, std::strerror(number.error().os_errno),
+                      writer.frame_count() > 0 ? fmt::format("the {} frames before are kept", writer.frame_count())
+                                               : std::string("nothing was recorded")));
+    show_progress(arguments, writer.frame_count());
+  }
+  if (::isatty(STDERR_FILENO) == 1) fmt::print(stderr, "\r\x1b[K");
+  if (writer.frame_count() == 0)
+    throw StartupError(ExitStatus::kWorkFailed, "stopped before the first frame; nothing was recorded");
+  fmt::print("{}: {} frames{}\n", arguments.out, writer.frame_count(),
+             lost > 0 ? fmt::format(", {} lost", lost) : std::string());
+}
+
+}  // namespace
+
+void add_record_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("record", "Record the frames of the configured camera");
+  const auto arguments = std::make_shared<RecordArguments>();
+  command->add_option("--config", arguments->config, "configuration file: its [camera] is recorded")->required();
+  command->add_option("--out", arguments->out, "a new or empty folder")->required();
+  command->add_option("--frames", arguments->frames, "stop after so many; default: at the end, or at Ctrl-C")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{999'999'999}));
+  command->callback([arguments] { run_record(*arguments); });
+}
+
+}  // namespace ninedot

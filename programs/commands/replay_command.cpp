@@ -1,0 +1,217 @@
+// `ninedot replay`: every frame of a recording once through the localiser, and out as CSV or TUM rows. The same input
+// gives the same bytes, but for the column process_us.
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/startup_error.h"
+#include "calibrate/camera_file.h"
+#include "config/config.h"
+#include "drawing/overlay.h"
+#include "drivers/picture/picture_file.h"
+#include "drivers/posix/output_file.h"
+#include "drivers/recording/recording_source.h"
+#include "pipeline/localiser.h"
+#include "programs/assembly/input_files.h"
+#include "programs/assembly/localiser_options.h"
+#include "programs/commands/commands.h"
+#include "proto/pose_csv.h"
+
+namespace ninedot {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct ReplayArguments {
+  std::string recording, config, camera, out, format = "csv", overlay_folder;
+  bool realtime = false, keep_going = false;
+};
+
+struct ReplayCounts {
+  std::uint64_t frames = 0, found = 0, unreadable = 0, dropped = 0;
+  std::vector<double> process_us;
+};
+
+bool exists(const std::string& path) { return access(path.c_str(), F_OK) == 0; }
+
+CameraModel camera_for(const ReplayArguments& arguments, const Config& config) {
+  if (!arguments.camera.empty()) return read_camera_file(arguments.camera);
+  const std::string own = recording_camera_file(arguments.recording);
+  if (exists(own)) return read_camera_file(own);
+  if (!config.camera.calibration.empty()) return read_camera_file(config.camera.calibration);
+  throw StartupError(ExitStatus::kWrongUsage,
+                     fmt::format("{}: no calibration there: give one with --camera FILE", own));
+}
+
+void check_size(const RecordingSource& source, const CameraModel& camera, const std::string& recording) {
+  if (source.size() == PictureSize{camera.width_px, camera.height_px}) return;
+  throw StartupError(
+      ExitStatus::kWrongUsage,
+      fmt::format("{}: its pictures are {}x{}, but the calibration is for {}x{}: give the right one with "
+                  "--camera FILE",
+                  recording, source.size().width_px, source.size().height_px, camera.width_px, camera.height_px));
+}
+
+/// "frame 12 of 70" on a terminal, nothing elsewhere.
+class Progress {
+ public:
+  explicit Progress(std::uint64_t total) : total_(total), terminal_(isatty(STDERR_FILENO) == 1) {}
+  ~Progress() { clear(); }
+  void show(std::uint64_t frame) {
+    if (!terminal_ || mono_now() - shown_at_ < 100ms) return;
+    shown_at_ = mono_now();
+    fmt::print(stderr, "\rframe {} of {}", frame, total_);
+  }
+  void clear() {
+    if (terminal_) fmt::print(stderr, "\r\x1b[K");
+  }
+
+ private:
+  std::uint64_t total_;
+  bool terminal_;
+  MonoTime shown_at_{};
+};
+
+/// Overlay pictures FOLDER/NNNNNN.png.
+class OverlayWriter {
+ public:
+  OverlayWriter(std::string folder, const CameraModel& camera, const LandmarkGeometry& landmark)
+      : folder_(std::move(folder)), camera_(camera), landmark_(landmark) {
+    if (!folder_.empty() && mkdir(folder_.c_str(), 0777) != 0 && errno != EEXIST)
+      throw StartupError(ExitStatus::kWorkFailed, fmt::format("{} cannot be made: {}", folder_, std::strerror(errno)));
+  }
+  void write(const FrameLease& frame, const Report& report, const LandmarkObservation* seen) {
+    if (folder_.empty()) return;
+    draw_overlay(frame.luma, report, seen, camera_, landmark_, 0, picture_);
+    const std::string path = fmt::format("{}/{:06}.png", folder_, frame.frame_number);
+    const auto written = write_png_rgb(path, picture_.pixels, {picture_.width_px, picture_.height_px});
+    if (!written)
+      throw StartupError(ExitStatus::kWorkFailed,
+                         fmt::format("{} cannot be written: {}", path, std::strerror(written.error().os_errno)));
+  }
+
+ private:
+  std::string folder_;
+  CameraModel camera_;
+  LandmarkGeometry landmark_;
+  RgbPicture picture_;
+};
+
+/// Rows in the chosen format.
+class PoseRows {
+ public:
+  PoseRows(const std::string& path, bool tum) : file_(path), tum_(tum) {
+    if (!tum_) file_.write(pose_csv_header());
+  }
+  void add(const Report& report) { file_.write(tum_ ? format_tum_row(report) : format_pose_csv_row(report)); }
+  void finish() { file_.finish(); }
+
+ private:
+  OutputFile file_;
+  bool tum_;
+};
+
+void print_summary(ReplayCounts& counts) {
+  double median_us = 0;
+  if (!counts.process_us.empty()) {
+    const auto middle = counts.process_us.begin() + static_cast<std::ptrdiff_t>(counts.process_us.size() / 2);
+    std::nth_element(counts.process_us.begin(), middle, counts.process_us.end());
+    median_us = *middle;
+  }
+  std::string line = fmt::format("{} frames, landmark found in {}, median {:.2f} ms per frame", counts.frames,
+                                 counts.found, median_us / 1000);
+  if (counts.unreadable > 0) line += fmt::format(", {} unreadable left out", counts.unreadable);
+  if (counts.dropped > 0) line += fmt::format(", {} dropped", counts.dropped);
+  fmt::print(stderr, "{}\n", line);
+}
+
+/// The recorded time of a frame: with --realtime the lease carries the instant of its turn instead.
+class RecordedTimes {
+ public:
+  RecordedTimes(const std::string& recording, bool needed) {
+    if (needed) frames_ = read_recording_index(recording).frames;
+  }
+  MonoTime of(const FrameLease& frame) const {
+    const auto at = std::lower_bound(frames_.begin(), frames_.end(), frame.frame_number,
+                                     [](const RecordedFrame& f, std::uint64_t number) { return f.number < number; });
+    return at == frames_.end() ? frame.exposed_at : MonoTime(at->recorded_at);
+  }
+
+ private:
+  std::vector<RecordedFrame> frames_;
+};
+
+void run_replay(const ReplayArguments& arguments) {
+  const Config config = arguments.config.empty() ? Config{} : read_config(arguments.config);
+  RecordingOptions recording_options;
+  recording_options.pace = arguments.realtime ? RecordingPace::kRealTime : RecordingPace::kEveryFrame;
+  RecordingSource source(arguments.recording, recording_options);
+  const CameraModel camera = camera_for(arguments, config);
+  check_size(source, camera, arguments.recording);
+  const LocaliserOptions options = localiser_options(config);
+  Localiser localiser(camera, options);
+  const RecordedTimes times(arguments.recording, arguments.realtime);
+  OverlayWriter overlay(arguments.overlay_folder, camera, options.landmark);
+  PoseRows rows(arguments.out, arguments.format == "tum");
+
+  ReplayCounts counts;
+  Progress progress(source.frame_count());
+  Report report;
+  for (;;) {
+    const Result<FrameLease> frame = source.next(mono_now() + 1s);
+    if (!frame && frame.error().code == Errc::kEndOfStream) break;
+    if (!frame && frame.error().code == Errc::kNoFrame) continue;
+    ++counts.frames;
+    if (!frame) {
+      progress.clear();
+      if (!arguments.keep_going)
+        throw StartupError(
+            ExitStatus::kWorkFailed,
+            fmt::format("{}: repair the recording, or leave such frames out with --keep-going", source.last_failure()));
+      fmt::print(stderr, "ninedot: {}: left out\n", source.last_failure());
+      ++counts.unreadable;
+      continue;
+    }
+    counts.dropped += frame->dropped_before;
+    localiser.process(frame->luma, times.of(*frame), frame->frame_number, report);
+    counts.process_us.push_back(std::chrono::duration<double, std::micro>(report.process_time).count());
+    if (report.valid) {
+      ++counts.found;
+      rows.add(report);
+    }
+    overlay.write(*frame, report, localiser.last_observation());
+    progress.show(counts.frames);
+  }
+  rows.finish();
+  progress.clear();
+  print_summary(counts);
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("replay", "Compute the poses of a recording");
+  const auto arguments = std::make_shared<ReplayArguments>();
+  command->add_option("RECORDING", arguments->recording, "folder with frames/, or a .y4m file")->required();
+  command->add_option("--config", arguments->config, "landmark, map and solver; default: the default landmark");
+  command->add_option("--camera", arguments->camera,
+                      "calibration; default: camera.yaml of the recording, then that of the configuration");
+  command->add_option("--out", arguments->out, "file for the poses; default: standard output");
+  command->add_option("--format", arguments->format, "csv (default), or tum: timestamp x y z qx qy qz qw")
+      ->check(CLI::IsMember({"csv", "tum"}));
+  command->add_option("--overlay", arguments->overlay_folder, "folder for pictures that show what was found");
+  command->add_flag("--realtime", arguments->realtime, "frames come at their recorded times, the newest wins");
+  command->add_flag("--keep-going", arguments->keep_going, "leave out pictures that cannot be read");
+  command->callback([arguments] { run_replay(*arguments); });
+}
+
+}  // namespace ninedot

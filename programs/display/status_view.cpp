@@ -1,0 +1,142 @@
+#include "programs/display/status_view.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+
+namespace ninedot {
+namespace {
+
+using Text = fmt::memory_buffer;
+
+template <typename... Args>
+void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
+  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
+}
+
+/// "-123.4", or "?" for a value that the service does not know.
+std::string number(double value, int digits) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string("?");
+}
+
+std::string age_text(const RegisterReader& r) {
+  const double age_ms = r.value(reg::kAge);
+  return age_ms >= 6553 ? std::string("> 6.5 s") : fmt::format("{:.1f} ms", age_ms);
+}
+
+std::string state_text(const RegisterReader& r) {
+  if (!r.status(status_bit::kValid)) return fmt::format("NOT VALID: {}", reason_text(r.integer(reg::kReason)));
+  std::string text = r.status(status_bit::kAmbiguous) ? "valid, ambiguous" : "valid";
+  if (r.status(status_bit::kTracking)) text += ", tracking";
+  if (!r.status(status_bit::kCalibrated)) text += ", camera NOT CALIBRATED";
+  if (r.status(status_bit::kHeld)) text += ", held by this client";
+  return text;
+}
+
+/// Three values that lie `words` registers apart: "   123.456    -4.000     0.001".
+std::string triple(const RegisterReader& r, std::uint16_t first, std::uint16_t words, int digits) {
+  std::string text;
+  for (std::uint16_t i = 0; i < 3; ++i)
+    text += fmt::format("{:>12}", number(r.value(static_cast<std::uint16_t>(first + i * words)), digits));
+  return text;
+}
+
+std::string uptime_text(std::uint32_t seconds) {
+  return fmt::format("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
+}
+
+void add_bit_names(Text& text, std::uint32_t value, std::span<const RegisterBit> bits) {
+  const char* separator = "";
+  add(text, "[");
+  for (const RegisterBit& bit : bits) {
+    if ((value & bit.mask) == 0) continue;
+    add(text, "{}\"{}\"", separator, bit.name);
+    separator = ",";
+  }
+  add(text, "]");
+}
+
+}  // namespace
+
+std::string_view reason_text(std::uint32_t code) noexcept {
+  for (const RegisterCode& reason : kReasonCodes)
+    if (reason.code == code) return reason.meaning;
+  return "unknown reason (a newer service?)";
+}
+
+RegisterReader make_reader(const RegisterBlock& registers) noexcept {
+  constexpr double kProbe = 123456;  // what register probe_float always shows
+  if (RegisterReader(registers).value(reg::kProbeFloat) == kProbe) return RegisterReader(registers);
+  return RegisterReader(registers, {.float_word_order = WordOrder::kLowFirst});
+}
+
+std::string status_line(const RegisterReader& r) {
+  Text text;
+  if (r.status(status_bit::kValid)) {
+    add(text, "x {} y {} z {} mm (1-sigma {} {} {}), {} dots, quality {}", number(r.value(reg::kX32), 1),
+        number(r.value(reg::kX32 + 2), 1), number(r.value(reg::kX32 + 4), 1), number(r.value(reg::kSigmaX), 2),
+        number(r.value(reg::kSigmaX + 1), 2), number(r.value(reg::kSigmaX + 2), 2), r.integer(reg::kDotsUsed),
+        r.integer(reg::kQuality));
+  } else {
+    add(text, "no valid pose: {}", reason_text(r.integer(reg::kReason)));
+  }
+  add(text, "; {} Hz, latency {} ms (p99 {}), {} dropped, {} clients", number(r.value(reg::kFrameRate), 1),
+      number(r.value(reg::kLatencyMedian), 1), number(r.value(reg::kLatencyP99), 1), r.integer(reg::kFramesDropped),
+      r.integer(reg::kConnectedClients));
+  return fmt::to_string(text);
+}
+
+std::string status_table(const RegisterReader& r) {
+  Text text;
+  add(text, "pose       {} (landmark {}, quality {}/1000, age {})\n", state_text(r), r.integer(reg::kLandmarkId),
+      r.integer(reg::kQuality), age_text(r));
+  add(text, "                     x           y           z\n");
+  add(text, "position  {} mm\n", triple(r, reg::kX32, 2, 3));
+  add(text, "  1-sigma {} mm\n", triple(r, reg::kSigmaX, 1, 2));
+  add(text, "rotation  {} deg (rotation vector, camera to world)\n", triple(r, reg::kRotationX32, 2, 3));
+  add(text, "  1-sigma {} deg\n", triple(r, reg::kSigmaRotationX, 1, 3));
+  add(text, "landmark   {} of 9 dots, residual {} px, ambiguity {}, {} solver\n", r.integer(reg::kDotsUsed),
+      number(r.value(reg::kResidual), 3), number(r.value(reg::kAmbiguity), 2),
+      r.status(status_bit::kEllipseSolver) ? "ellipse" : "full");
+  if (r.status(status_bit::kHasHead))
+    add(text, "head       pan {} deg, tilt {} deg{}{}{}\n", number(r.value(reg::kPan), 2),
+        number(r.value(reg::kTilt), 2), r.status(status_bit::kServoLimit) ? ", at its LIMIT" : "",
+        r.status(status_bit::kInhibited) ? ", INHIBITED" : "",
+        r.status(status_bit::kServoFault) ? ", does NOT ANSWER" : "");
+  add(text, "frames     {} Hz, {} processed, {} dropped, {} failed, {} camera restarts\n",
+      number(r.value(reg::kFrameRate), 1), r.integer(reg::kFramesProcessed), r.integer(reg::kFramesDropped),
+      r.integer(reg::kFramesFailed), r.integer(reg::kCameraRestarts));
+  add(text, "latency    median {} ms, p99 {}, p99.9 {}, max {} (capture to report)\n",
+      number(r.value(reg::kLatencyMedian), 1), number(r.value(reg::kLatencyP99), 1),
+      number(r.value(reg::kLatencyP999), 1), number(r.value(reg::kLatencyMax), 1));
+  const std::uint32_t flags = r.integer(reg::kHealthFlags);
+  add(text, "service    up {}, {}, memory {}, board {} degC\n", uptime_text(r.integer(reg::kUptime)),
+      (flags & health_bit::kRealtime) != 0 ? "real-time" : "NOT real-time",
+      (flags & health_bit::kMemoryLocked) != 0 ? "locked" : "NOT locked", number(r.value(reg::kTemperature), 1));
+  add(text, "Modbus     {} connected, {} bus errors, {} exceptions answered\n", r.integer(reg::kConnectedClients),
+      r.integer(reg::kBusErrors), r.integer(reg::kExceptions));
+  return fmt::to_string(text);
+}
+
+std::string status_json(const RegisterReader& r) {
+  Text text;
+  add(text, "{{\"reason_text\":\"{}\"", reason_text(r.integer(reg::kReason)));
+  for (const RegisterEntry& entry : kRegisterMap) {
+    if (entry.scale_is_configured) continue;  // a client does not know the scale; the 32-bit values say the same
+    add(text, ",\"{}\":", entry.name);
+    if (entry.address == reg::kStatus || entry.address == reg::kHealthFlags) {
+      add_bit_names(text, r.integer(entry.address), entry.address == reg::kStatus ? kStatusBits : kHealthBits);
+      continue;
+    }
+    const double value = r.value(entry.address);
+    if (std::isfinite(value))
+      add(text, "{:.10g}", value);
+    else
+      add(text, "null");
+  }
+  add(text, "}}");
+  return fmt::to_string(text);
+}
+
+}  // namespace ninedot

@@ -1,0 +1,23 @@
+// The command-line tool: one sub-command per task, each in its own file. Exit status 0 success, 1 the work failed,
+// 2 wrong usage or configuration.
+#include <CLI/CLI.hpp>
+
+#include "programs/commands/commands.h"
+#include "programs/program.h"
+
+int main(int argc, char** argv) {
+  CLI::App app{"Camera pose from a nine-dot landmark: the tools around ninedotd.", "ninedot"};
+  app.require_subcommand(1);
+  app.footer(
+      "'ninedot COMMAND --help' tells more. Exit status: 0 success, 1 the work failed, 2 wrong usage or "
+      "configuration.");
+  ninedot::add_replay_command(app);
+  ninedot::add_record_command(app);
+  ninedot::add_cameras_command(app);
+  ninedot::add_pattern_command(app);
+  ninedot::add_check_command(app);
+  ninedot::add_registers_command(app);
+  ninedot::add_status_command(app);
+  ninedot::add_aim_command(app);
+  return ninedot::run_program(app, argc, argv);
+}

@@ -1,0 +1,86 @@
+// The service. Its main() is the architecture: configuration -> source -> localiser -> frame loop, which publishes into
+// two mailboxes and turns the head; Modbus servers, which read them; and a main thread that owns everything and waits
+// for a signal.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <optional>
+
+#include "config/config.h"
+#include "drivers/posix/realtime.h"
+#include "programs/assembly/input_files.h"
+#include "programs/assembly/localiser_options.h"
+#include "programs/assembly/modbus_options.h"
+#include "programs/assembly/open_head.h"
+#include "programs/assembly/open_source.h"
+#include "programs/display/live_display.h"
+#include "programs/program.h"
+#include "programs/service/service_watch.h"
+
+namespace ninedot {
+namespace {
+
+std::vector<std::string> how_to_read(const ModbusOptions& options) {
+  std::vector<std::string> lines{""};
+  for (const std::string& command : reading_commands(options)) lines.push_back("read it with:  " + command);
+  lines.push_back("all registers: ninedot registers          Ctrl-C ends");
+  return lines;
+}
+
+void run_service(const std::string& config_path, bool live) {
+  const Config config = read_config(config_path);
+  const TerminationSignals signals;  // before the first thread
+  use_small_thread_stacks();
+
+  const OpenedSource camera = open_source(config.camera, FrameDemand::kNewest);
+  const CameraModel model = read_camera_calibration(config.camera);
+  Localiser localiser(model, localiser_options(config));
+  const OpenedHead head = open_head(config, model);
+  LatestValue<Report> reports;
+  LatestValue<Health> health;
+  const int memory_refused = config.service.lock_memory ? lock_memory() : ECANCELED;
+  const std::chrono::duration<double> stall(config.camera.stall_frames / config.camera.rate_hz);
+  FrameLoopOptions loop_options;
+  loop_options.stall_after =
+      std::max(loop_options.stall_after, std::chrono::duration_cast<std::chrono::nanoseconds>(stall));
+  loop_options.memory_locked = memory_refused == 0;
+  loop_options.head = head.control.get();
+  FrameLoop frames(*camera.frames, localiser, reports, health, loop_options);
+  const ModbusOptions modbus = modbus_options(config);
+  ModbusServer server(reports, health, modbus);
+
+  std::optional<LiveDisplay> display;
+  if (live) display.emplace(stdout, how_to_read(modbus));
+  ServiceLog log(display ? &*display : nullptr);
+  RealtimeThread thread(config.service.realtime_priority);
+  const int realtime_refused = frames.start(thread);
+  log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION, config.camera.device, model.width_px,
+                        model.height_px, config.pose.solver));
+  if (!camera.description.empty()) log.write("camera: " + camera.description);
+  if (!head.description.empty()) log.write("pan/tilt: " + head.description);
+  log.write("frame loop: " + realtime_text(config.service.realtime_priority, realtime_refused));
+  log.write("memory: " + memory_text(config.service.lock_memory, memory_refused));
+  for (const std::string& command : reading_commands(modbus)) log.write("read the position with: " + command);
+  if (!modbus.tcp && !modbus.rtu) log.write("no Modbus server: add [modbus.tcp] or [modbus.rtu] to the configuration");
+
+  watch_until_signalled(signals,
+                        {frames, reports, health, server, modbus.codec, head.control.get(), head.status_led.get()}, log,
+                        display ? &*display : nullptr);
+  frames.stop();
+}
+
+}  // namespace
+}  // namespace ninedot
+
+int main(int argc, char** argv) {
+  CLI::App app{"Camera pose from a nine-dot landmark, over Modbus.", "ninedotd"};
+  std::string config_path;
+  bool live = false;
+  app.add_option("--config", config_path, "configuration file; `ninedot check` tells what is wrong with one")
+      ->required();
+  app.add_flag("--live", live, "show pose, rate, latency and clients; in a pipe one line a second");
+  return ninedot::run_program(app, argc, argv, [&] { ninedot::run_service(config_path, live); });
+}

@@ -1,0 +1,288 @@
+#include "config/config.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "base/startup_error.h"
+#include "config/config_checks.h"
+#include "config/config_reference.h"
+#include "programs/assembly/input_files.h"
+
+namespace ninedot {
+namespace {
+
+Config parse(const std::string& text) {
+  ConfigProblems problems;
+  return parse_config(text, "t.toml", problems);
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    parse(text);
+  } catch (const StartupError& error) {
+    EXPECT_EQ(error.status, ExitStatus::kWrongUsage);
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string header_of(const ConfigKey& key) {
+  return key.table == "landmarks" ? "[[landmarks]]\n" : fmt::format("[{}]\n", key.table);
+}
+
+std::string file_text(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  EXPECT_TRUE(stream) << path;
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+TEST(Config, IsTheDefaultWhenTheFileIsEmpty) {
+  const Config config = parse("");
+  EXPECT_EQ(config.camera.rate_hz, 35.0);
+  EXPECT_FALSE(config.modbus_tcp.enabled);
+  EXPECT_TRUE(config.landmarks.empty());
+}
+
+TEST(Config, ReadsEveryKindOfKey) {
+  const Config config = parse(R"(
+[camera]
+source = "recording"
+width_px = 1280
+rate_hz = 30
+loop = false
+[[landmarks]]
+id = 7
+code = "KRGBKKRB"
+position_mm = [1, -2.5, 1200.0]
+heading_deg = 90
+[[landmarks]]
+id = 8
+[pose.ellipse]
+p3 = -1.5
+[modbus]
+hold_ms = 250
+[modbus.tcp]
+port = 502
+allow = ["10.0.0.0/8", "fe80::1"]
+[modbus.rtu]
+parity = "N"
+)");
+  EXPECT_EQ(config.camera.width_px, 1280);
+  EXPECT_EQ(config.camera.rate_hz, 30.0);
+  EXPECT_FALSE(config.camera.loop);
+  ASSERT_EQ(config.landmarks.size(), 2U);
+  EXPECT_EQ(config.landmarks[0].id, 7);
+  EXPECT_EQ(config.landmarks[0].code, "KRGBKKRB");
+  EXPECT_EQ(config.landmarks[0].y_mm, -2.5);
+  EXPECT_EQ(config.landmarks[0].z_mm, 1200.0);
+  EXPECT_EQ(config.landmarks[0].heading_deg, 90.0);
+  EXPECT_EQ(config.ellipse.p3, -1.5);
+  EXPECT_EQ(config.modbus.hold_ms, 250U);
+  EXPECT_TRUE(config.modbus_tcp.enabled);
+  EXPECT_EQ(config.modbus_tcp.port, 502);
+  EXPECT_EQ(config.modbus_tcp.allow, (std::vector<std::string>{"10.0.0.0/8", "fe80::1"}));
+  EXPECT_TRUE(config.modbus_rtu.enabled);
+  EXPECT_EQ(config.modbus_rtu.parity, 'N');
+}
+
+TEST(Config, ReadsTheCalibrationOfAnAxis) {
+  const Config config = parse(
+      "[pan_tilt]\ndriver = \"simulated\"\n[pan_tilt.tilt]\ncalibration = [[-45, 1900], [0, 1520.5], [45, 1100]]");
+  ASSERT_EQ(config.pan_tilt.tilt.calibration.size(), 3U);
+  EXPECT_EQ(config.pan_tilt.tilt.calibration[1].output, 1520.5);
+  EXPECT_EQ(config.pan_tilt.pan.calibration.size(), 0U);
+}
+
+TEST(Config, RefusesAHeadThatCanNotBe) {
+  const std::string head = "[pan_tilt]\ndriver = \"simulated\"\n[pan_tilt.pan]\n";
+  EXPECT_EQ(error_of(head + "min_deg = 5\nmax_deg = 5"), "t.toml:5: 'max_deg' is 5; write more than min_deg = 5");
+  EXPECT_EQ(error_of(head + "neutral_deg = 50"), "t.toml:4: 'neutral_deg' is 50; write -45 to 45, min_deg to max_deg");
+  EXPECT_NE(error_of(head + "centre_us = 1990\nneutral_deg = 2").find("pulse outside of min_us = 1000"),
+            std::string::npos);
+  EXPECT_NE(error_of(head + "min_us = 2100").find("write more than min_us = 2100"), std::string::npos);
+  EXPECT_NE(error_of("[pan_tilt]\ndriver = \"gpio\"\nperiod_ms = 5\n[pan_tilt.pan]\nmax_us = 2600")
+                .find("t.toml:5: 'max_us'"),
+            std::string::npos);
+  EXPECT_NE(
+      error_of(head + "calibration = [[0, 1000], [10, 900], [20, 950]]").find("t.toml:4: 'calibration' is of no use"),
+      std::string::npos);
+  for (const char* wrong : {"[0, 1000]", "[[0, 1000], [1]]", "[[0, 1000], [1, \"2\"]]", "3"})
+    EXPECT_NE(error_of(head + "calibration = " + wrong).find("t.toml:4: 'calibration' must be"), std::string::npos)
+        << wrong;
+  EXPECT_NE(error_of(head + "calibration = [[0, 1000], [1, 1e9]]").find("write -100000 to"), std::string::npos);
+  EXPECT_EQ(error_of("[pan_tilt.pan]\nmin_deg = 60"), "no error") << "without a driver the axes do not matter";
+}
+
+TEST(Config, TakesEachKeyAtBothEndsOfItsRangeAndRefusesWhatLiesBeyond) {
+  int checked = 0;
+  for (const ConfigKey& key : config_keys()) {
+    if (key.min >= key.max || key.table == "landmark" || key.name == "baud" || key.name == "position_mm" ||
+        key.name == "calibration")
+      continue;
+    const std::string start = header_of(key) + (key.table == "landmarks" && key.name != "id" ? "id = 1\n" : "");
+    const auto with = [&](double value) {
+      std::ostringstream text;
+      text.precision(17);
+      text << start << key.name << " = " << value << "\n";
+      return text.str();
+    };
+    EXPECT_EQ(error_of(with(key.min)), "no error") << with(key.min);
+    EXPECT_EQ(error_of(with(key.max)), "no error") << with(key.max);
+    EXPECT_NE(error_of(with(key.min - 1)).find("write "), std::string::npos) << with(key.min - 1);
+    EXPECT_NE(error_of(with(key.max + 1)).find("write "), std::string::npos) << with(key.max + 1);
+    ++checked;
+  }
+  EXPECT_GT(checked, 20);
+}
+
+TEST(Config, RefusesNanAndInfinityInEveryNumber) {
+  for (const ConfigKey& key : config_keys()) {
+    if (key.min >= key.max || key.name == "position_mm" || key.name == "calibration") continue;
+    for (const std::string value : {"nan", "inf", "-inf"}) {
+      EXPECT_NE(error_of(fmt::format("{}{}{} = {}", header_of(key),
+                                     key.table == "landmarks" && key.name != "id" ? "id = 1\n" : "", key.name, value))
+                    .find("must be a"),
+                std::string::npos)
+          << key.name;
+    }
+  }
+}
+
+TEST(Config, NamesTheLineAndWhatToWriteInstead) {
+  EXPECT_EQ(error_of("[camera]\nrate = 30"), "t.toml:2: unknown key 'rate' in [camera]; did you mean 'rate_hz'?");
+  EXPECT_EQ(error_of("[camera]\n\nwidht_px = 30"),
+            "t.toml:3: unknown key 'widht_px' in [camera]; did you mean 'width_px'?");
+  EXPECT_EQ(error_of("[camera]\nbaud = 9600"), "t.toml:2: unknown key 'baud' in [camera]; it belongs to [modbus.rtu]");
+  EXPECT_EQ(error_of("[camera]\nxyzzy = 9600"), "t.toml:2: unknown key 'xyzzy' in [camera]");
+  EXPECT_EQ(error_of("[camrea]\nrate_hz = 30"), "t.toml:1: unknown table 'camrea'; did you mean 'camera'?");
+  EXPECT_EQ(error_of("rate_hz = 30"), "t.toml:1: unknown key 'rate_hz'; it belongs to [camera]");
+  EXPECT_EQ(error_of("[camera]\nrate_hz = 3000"), "t.toml:2: 'rate_hz' is 3000; write 0.1 to 1000 Hz");
+  EXPECT_EQ(error_of("[camera]\nrate_hz = nan"), "t.toml:2: 'rate_hz' must be a finite number");
+  EXPECT_EQ(error_of("[camera]\nwidth_px = 640.0"), "t.toml:2: 'width_px' must be a whole number");
+  EXPECT_EQ(error_of("[camera]\nloop = 1"), "t.toml:2: 'loop' must be true or false");
+  EXPECT_EQ(error_of("[camera]\nsource = 1"), "t.toml:2: 'source' must be a text in quotes");
+  EXPECT_EQ(error_of("[camera]\nsource = \"recordin\""),
+            "t.toml:2: 'source' is 'recordin'; write one of libcamera, v4l2, recording, simulated; did you mean "
+            "'recording'?");
+  EXPECT_EQ(error_of("[modbus.rtu]\nparity = \"X\""), "t.toml:2: 'parity' is 'X'; write one of N, E, O");
+  EXPECT_EQ(error_of("[modbus.tcp]\nallow = [1]"), "t.toml:2: 'allow' must be a list of texts, [\"...\", \"...\"]");
+  EXPECT_EQ(error_of("[[landmarks]]\nid = 1\nposition_mm = [1, 2]"),
+            "t.toml:3: 'position_mm' must be three numbers, [x, y, z]");
+  EXPECT_EQ(error_of("[[landmarks]]\nid = 1\nposition_mm = [1, nan, 2]"),
+            "t.toml:3: 'position_mm' must be a finite number");
+  EXPECT_EQ(error_of("camera = 1"), "t.toml:1: 'camera' is a table; write [camera]");
+  EXPECT_EQ(error_of("[landmarks]\nid = 1"), "t.toml:1: 'landmarks' is a list of tables; write [[landmarks]]");
+}
+
+TEST(Config, RefusesARepeatedKeyAndBrokenToml) {
+  EXPECT_EQ(error_of("[camera]\nrate_hz = 30\nrate_hz = 31").substr(0, 9), "t.toml:3:");
+  EXPECT_EQ(error_of("[camera]\n[pose]\n[camera]").substr(0, 9), "t.toml:3:");
+  EXPECT_EQ(error_of("[camera\n").substr(0, 9), "t.toml:1:");
+  EXPECT_EQ(error_of("[camera]\nrate_hz = ").substr(0, 9), "t.toml:2:");
+}
+
+TEST(Config, ReportsTheFirstOfSeveralMistakes) {
+  EXPECT_EQ(error_of("[service]\nlock = true\n[camera]\nrate = 30").substr(0, 9), "t.toml:2:");
+}
+
+TEST(Config, RefusesDotsThatTouch) {
+  EXPECT_EQ(error_of("[landmark]\nring_radius_mm = 80\ndot_diameter_mm = 61.3\ncentre_diameter_mm = 70"),
+            "t.toml:3: the dots of the ring touch: dot_diameter_mm must be below 61.2293 for ring_radius_mm = 80");
+  EXPECT_EQ(error_of("[landmark]\nring_radius_mm = 30"),
+            "t.toml:1: the dots of the ring touch: dot_diameter_mm must be below 22.961 for ring_radius_mm = 30");
+  EXPECT_EQ(error_of("[landmark]\ncentre_diameter_mm = 134.6"),
+            "t.toml:2: the centre dot touches the ring: centre_diameter_mm must be below 134.6");
+  EXPECT_EQ(error_of("[landmark]\ncentre_diameter_mm = 25.4"),
+            "t.toml:2: the centre dot must be larger than the others: that is how it is recognised");
+  EXPECT_EQ(error_of("[landmark]\nring_radius_mm = 80\ndot_diameter_mm = 40\ncentre_diameter_mm = 70"), "no error");
+}
+
+TEST(Config, RefusesLandmarksThatCantBeToldApart) {
+  EXPECT_EQ(error_of("[[landmarks]]\nid = 1\n[[landmarks]]\nid = 1\ncode = \"KRGBKKRB\""),
+            "t.toml:4: two landmarks have the id 1");
+  EXPECT_EQ(error_of("[[landmarks]]\nid = 1\n[[landmarks]]\nid = 2"),
+            "t.toml:3: landmarks 1 and 2 can't be told apart: their codes are turns of each other");
+  EXPECT_EQ(error_of("[[landmarks]]\nid = 1\ncode = \"KRGBKKRB\"\n[[landmarks]]\nid = 2\ncode = \"BKRGBKKR\""),
+            "t.toml:6: landmarks 1 and 2 can't be told apart: their codes are turns of each other");
+  EXPECT_EQ(error_of("[[landmarks]]\nid = 1\ncode = \"KRGBKRGB\""),
+            "t.toml:3: 'code' KRGBKRGB looks the same when the sheet is turned; choose another");
+  EXPECT_EQ(error_of("[[landmarks]]\nid = 1\ncode = \"KRGBKKRY\""),
+            "t.toml:3: 'code' is 'KRGBKKRY'; write eight of K R G B for P1..P8");
+  EXPECT_EQ(error_of("[[landmarks]]\nheading_deg = 5"), "t.toml:1: a landmark needs an 'id'");
+}
+
+TEST(Config, RefusesAddressesAndRatesThatAreNone) {
+  EXPECT_EQ(error_of("[modbus.tcp]\nlisten = \"localhost\""),
+            "t.toml:2: 'listen' is 'localhost'; write an IPv4 or IPv6 address");
+  EXPECT_EQ(error_of("[modbus.tcp]\nallow = [\"10.0.0.256\"]"),
+            "t.toml:2: 'allow' lists '10.0.0.256'; write addresses like 10.0.0.1 or 10.0.0.0/8");
+  EXPECT_EQ(error_of("[modbus.rtu]\nbaud = 9601"),
+            "t.toml:2: 'baud' is 9601; write a standard rate like 9600, 19200 or 115200");
+  EXPECT_EQ(error_of("[modbus.rtu]\ndevice = \"\""), "t.toml:2: 'device' is empty");
+}
+
+TEST(Config, KeepsItsErrorOnOneLineWhateverTheFileHolds) {
+  EXPECT_EQ(error_of("[camera]\n\"a\\nb\" = 1").find('\n'), std::string::npos);
+}
+
+TEST(Config, RefusesAFileThatIsNotThere) {
+  try {
+    read_config("/nonexistent/ninedot.toml");
+    FAIL();
+  } catch (const StartupError& error) {
+    EXPECT_STREQ(error.what(), "/nonexistent/ninedot.toml: cannot be opened: No such file or directory");
+  }
+}
+
+TEST(Config, ResolvesRelativePathsFromTheFolderOfTheFile) {
+  const std::string path = testing::TempDir() + "ninedot_relative.toml";
+  std::ofstream(path) << "[camera]\nsource = \"recording\"\ndevice = \"a/b\"\ncalibration = \"../c.yaml\"\n";
+  const Config config = read_config(path);
+  EXPECT_EQ(config.camera.device, testing::TempDir() + "a/b");
+  EXPECT_EQ(config.camera.calibration.find(".."), std::string::npos);
+  std::remove(path.c_str());
+}
+
+TEST(ConfigReference, IsTheDocumentInDocs) {
+  const std::string fresh = std::string(NINEDOT_BINARY_DIR) + "/configuration.md";
+  std::ofstream(fresh) << format_config_reference();
+  EXPECT_EQ(file_text(std::string(NINEDOT_SOURCE_DIR) + "/docs/configuration.md"), format_config_reference())
+      << "docs/configuration.md is not up to date; copy " << fresh;
+}
+
+TEST(ConfigReference, HasAMeaningForEveryTableAndKey) {
+  for (const ConfigKey& key : config_keys()) {
+    EXPECT_FALSE(config_table_meaning(key.table).empty()) << key.table;
+    EXPECT_FALSE(key.meaning.empty()) << key.name;
+  }
+}
+
+TEST(DefaultConfiguration, SaysTheDefaultOfEveryKeyItNames) {
+  const Config shipped = read_config(std::string(NINEDOT_SOURCE_DIR) + "/systemd/ninedot.toml");
+  EXPECT_EQ(shipped.camera.rate_hz, Config{}.camera.rate_hz);
+  EXPECT_EQ(shipped.landmark.ring_radius_mm, Config{}.landmark.ring_radius_mm);
+  EXPECT_EQ(shipped.pose.solver, Config{}.pose.solver);
+  EXPECT_TRUE(shipped.modbus_tcp.enabled);
+  EXPECT_FALSE(shipped.modbus_rtu.enabled);
+}
+
+TEST(DefaultConfiguration, CanBeUncommentedLineByLine) {
+  std::istringstream lines(file_text(std::string(NINEDOT_SOURCE_DIR) + "/systemd/ninedot.toml"));
+  std::string text;
+  int uncommented = 0;
+  for (std::string line; std::getline(lines, line); text += line + '\n') {
+    const bool is_setting =
+        line.starts_with("# ") && (line.find(" = ") != std::string::npos || line.starts_with("# ["));
+    if (is_setting) line.erase(0, 2), ++uncommented;
+  }
+  EXPECT_GT(uncommented, 30);
+  EXPECT_EQ(error_of(text), "no error") << text;
+}
+
+}  // namespace
+}  // namespace ninedot

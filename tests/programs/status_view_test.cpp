@@ -1,0 +1,80 @@
+#include "programs/display/status_view.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "tests/proto/known_report.h"
+
+namespace ninedot {
+namespace {
+
+const MonoTime kNow = mono_from_ns(5'000'000'000'000);
+
+RegisterBlock registers_of(const Report& report, const Health& health = test::known_health(kNow),
+                           const RegisterCodecOptions& options = {}) {
+  return encode_registers(report, health, test::known_server_state(kNow), options);
+}
+
+TEST(StatusTable, SaysPoseUncertaintyHeadAndHealthInTheRegistersUnits) {
+  const RegisterBlock registers = registers_of(test::known_report(kNow));
+  EXPECT_EQ(status_table(make_reader(registers)),
+            "pose       valid, tracking, held by this client (landmark 7, quality 913/1000, age 12.3 ms)\n"
+            "                     x           y           z\n"
+            "position      1234.568   -2500.000    3276.700 mm\n"
+            "  1-sigma         0.12        0.34        2.10 mm\n"
+            "rotation        17.189     -22.918      68.755 deg (rotation vector, camera to world)\n"
+            "  1-sigma        0.029       0.057       0.115 deg\n"
+            "landmark   9 of 9 dots, residual 0.046 px, ambiguity 0.12, full solver\n"
+            "head       pan 12.34 deg, tilt -5.67 deg, at its LIMIT, INHIBITED\n"
+            "frames     35.0 Hz, 100000 processed, 65537 dropped, 3 failed, 2 camera restarts\n"
+            "latency    median 8.7 ms, p99 9.5, p99.9 12.0, max 33.3 (capture to report)\n"
+            "service    up 1:01:01, real-time, memory locked, board 47.3 degC\n"
+            "Modbus     2 connected, 5 bus errors, 4 exceptions answered\n");
+}
+
+TEST(StatusTable, LeavesTheHeadOutWhereThereIsNoneAndFitsIntoAHundredColumns) {
+  Report report = test::known_report(kNow);
+  report.has_head = false;
+  const RegisterBlock registers = registers_of(report);
+  const std::string table = status_table(make_reader(registers));
+  EXPECT_EQ(table.find("head"), std::string::npos);
+  EXPECT_EQ(std::ranges::count(table, '\n'), 11);
+  std::istringstream lines(table);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100U) << line;
+}
+
+TEST(StatusTable, SaysWhyThereIsNoPoseAndWhatIsNotKnown) {
+  Report report = test::known_report(kNow);
+  report.valid = report.found = false;
+  report.reason = Reason::kCameraLost;
+  report.exposed_at = kNow - std::chrono::seconds(60);
+  Health health = test::known_health(kNow);
+  health.temperature_degC = std::nan("");
+  const RegisterBlock registers = registers_of(report, health);
+  const std::string table = status_table(make_reader(registers));
+  EXPECT_NE(table.find("NOT VALID: the camera"), std::string::npos) << table;
+  EXPECT_NE(table.find("age > 6.5 s"), std::string::npos) << table;
+  EXPECT_NE(table.find("board ? degC"), std::string::npos) << table;
+}
+
+TEST(StatusLine, IsOneLineWithoutEscapeCodes) {
+  const RegisterBlock registers = registers_of(test::known_report(kNow));
+  const std::string line = status_line(make_reader(registers));
+  EXPECT_EQ(line.find_first_of("\n\x1b"), std::string::npos);
+  EXPECT_NE(line.find("x 1234.6 y -2500.0 z 3276.7 mm (1-sigma 0.12 0.34 2.10), 9 dots"), std::string::npos) << line;
+}
+
+TEST(StatusJson, IsTheSameForBothWordOrders) {
+  const RegisterBlock high = registers_of(test::known_report(kNow));
+  const RegisterBlock low =
+      registers_of(test::known_report(kNow), test::known_health(kNow), {.float_word_order = WordOrder::kLowFirst});
+  EXPECT_NE(high, low);
+  EXPECT_EQ(status_json(make_reader(high)), status_json(make_reader(low)));
+  EXPECT_NE(status_json(make_reader(high)).find("\"x_float\":1234.567"), std::string::npos);
+  EXPECT_NE(status_json(make_reader(high)).find("\"servo_limit\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ninedot

@@ -1,0 +1,268 @@
+#include "drivers/recording/recording_source.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <numbers>
+#include <thread>
+#include <vector>
+
+#include "base/startup_error.h"
+#include "tests/recording/temporary_recording.h"
+
+namespace ninedot {
+namespace {
+
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+MonoTime soon() { return mono_now() + 5s; }
+
+std::string bundled(const std::string& name) { return std::string(NINEDOT_SOURCE_DIR) + "/tests/recordings/" + name; }
+
+std::string startup_error_of(const std::string& path) {
+  try {
+    RecordingSource source(path, {});
+  } catch (const StartupError& error) {
+    EXPECT_EQ(error.status, ExitStatus::kWorkFailed);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RecordingSource, GivesEveryFrameOfTheBundledApproachOnceAndInOrder) {
+  RecordingSource source(bundled("approach"), {});
+  EXPECT_EQ(source.size(), (PictureSize{640, 480}));
+  EXPECT_EQ(source.frame_count(), 22U);
+  for (std::uint64_t i = 0; i < 22; ++i) {
+    const Result<FrameLease> frame = source.next(soon());
+    ASSERT_TRUE(frame) << frame.error().text;
+    EXPECT_EQ(frame->frame_number, 3 * i);
+    EXPECT_EQ(frame->dropped_before, 0U);
+    EXPECT_NEAR(static_cast<double>(to_ns(frame->exposed_at)), static_cast<double>(3 * i) * 1e9 / 35, 1.0);
+    EXPECT_EQ(frame->luma.width_px, 640);
+  }
+  const Result<FrameLease> end = source.next(soon());
+  ASSERT_FALSE(end);
+  EXPECT_EQ(end.error().code, Errc::kEndOfStream);
+}
+
+TEST(RecordingSource, WaitsForASlowReaderSoThatNoFrameIsLost) {
+  const TemporaryRecording recording(20);
+  RecordingSource source(recording.path(), {});
+  for (std::uint8_t i = 0; i < 20; ++i) {
+    if (i % 5 == 0) std::this_thread::sleep_for(10ms);
+    const Result<FrameLease> frame = source.next(soon());
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->luma.at(3, 2), i);
+  }
+}
+
+TEST(RecordingSource, LetsTheNewestFrameWinInRealTimeAndCountsTheOthers) {
+  const TemporaryRecording recording(60);
+  RecordingSource source(recording.path(), {.pace = RecordingPace::kRealTime, .rate_hz = 200});
+  std::uint64_t taken = 0, dropped = 0, last = 0;
+  MonoTime last_exposed_at{};
+  for (;;) {
+    const Result<FrameLease> frame = source.next(soon());
+    if (!frame) {
+      EXPECT_EQ(frame.error().code, Errc::kEndOfStream);
+      break;
+    }
+    EXPECT_EQ(frame->luma.at(0, 0), frame->frame_number);
+    EXPECT_LE(frame->exposed_at, mono_now());
+    EXPECT_GT(frame->exposed_at, last_exposed_at);
+    last_exposed_at = frame->exposed_at;
+    last = frame->frame_number;
+    ++taken;
+    dropped += frame->dropped_before;
+    std::this_thread::sleep_for(23ms);  // longer than four frames
+  }
+  EXPECT_EQ(last, 59U);
+  EXPECT_EQ(taken + dropped, 60U);
+  EXPECT_GE(dropped, 30U);
+}
+
+TEST(RecordingSource, PacesFramesByTheirRecordedTimes) {
+  TemporaryRecording recording(3);
+  recording.write("frames.csv", "frame,timestamp_ns\n0,1000000000\n1,1050000000\n2,1060000000\n");
+  RecordingSource source(recording.path(), {.pace = RecordingPace::kRealTime});
+  const Result<FrameLease> first = source.next(soon());
+  const Result<FrameLease> second = source.next(soon());
+  const Result<FrameLease> third = source.next(soon());
+  ASSERT_TRUE(first && second && third);
+  EXPECT_EQ(second->exposed_at - first->exposed_at, 50ms);
+  EXPECT_EQ(third->exposed_at - second->exposed_at, 10ms);
+}
+
+TEST(RecordingSource, SaysSoWhenNoFrameComesBeforeTheDeadline) {
+  const TemporaryRecording recording(2);
+  RecordingSource source(recording.path(), {.pace = RecordingPace::kRealTime, .rate_hz = 2});
+  ASSERT_TRUE(source.next(soon()));
+  const Result<FrameLease> none = source.next(mono_now() + 20ms);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, Errc::kNoFrame);
+  EXPECT_TRUE(source.next(soon()));
+}
+
+class LoopedRecording : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(LoopedRecording, KeepsNumbersAndTimesGrowing) {
+  const TemporaryRecording recording(5);
+  RecordingSource source(recording.path(), {.loop = true, .preload_bytes = GetParam()});
+  MonoTime last{-1ns};
+  for (std::uint64_t i = 0; i < 23; ++i) {
+    const Result<FrameLease> frame = source.next(soon());
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->frame_number, i);
+    EXPECT_EQ(frame->luma.at(1, 1), i % 5);
+    EXPECT_GT(frame->exposed_at, last);
+    EXPECT_NEAR(static_cast<double>(to_ns(frame->exposed_at)), static_cast<double>(i) * 1e9 / 35, 10.0);
+    last = frame->exposed_at;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(DecodedOnceAndDecodedEachTime, LoopedRecording,
+                         testing::Values(std::size_t{1} << 20U, std::size_t{0}));
+
+TEST(RecordingSource, CarriesPanAndTiltOfFramesCsv) {
+  TemporaryRecording recording(1);
+  recording.write("frames.csv", "frame,timestamp_ns,pan_deg,tilt_deg\n0,5,90,-45\n");
+  RecordingSource source(recording.path(), {});
+  const Result<FrameLease> frame = source.next(soon());
+  ASSERT_TRUE(frame);
+  EXPECT_DOUBLE_EQ(frame->pan_rad, std::numbers::pi / 2);
+  EXPECT_DOUBLE_EQ(frame->tilt_rad, -std::numbers::pi / 4);
+}
+
+TEST(RecordingSource, GivesAnErrorInThePlaceOfAMissingPicture) {
+  const TemporaryRecording recording(3);
+  fs::remove(recording.picture(1));
+  RecordingSource source(recording.path(), {});
+  ASSERT_TRUE(source.next(soon()));
+  const Result<FrameLease> missing = source.next(soon());
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, Errc::kFrameUnreadable);
+  EXPECT_EQ(std::string(source.last_failure()), recording.picture(1) + ": frame 1: the picture is missing");
+  const Result<FrameLease> next = source.next(soon());
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->frame_number, 2U);
+}
+
+TEST(RecordingSource, GivesAnErrorInThePlaceOfATruncatedPicture) {
+  const TemporaryRecording recording(3);
+  fs::resize_file(recording.picture(2), 20);
+  RecordingSource source(recording.path(), {});
+  ASSERT_TRUE(source.next(soon()));
+  ASSERT_TRUE(source.next(soon()));
+  const Result<FrameLease> truncated = source.next(soon());
+  ASSERT_FALSE(truncated);
+  EXPECT_EQ(truncated.error().code, Errc::kFrameUnreadable);
+  EXPECT_EQ(source.next(soon()).error().code, Errc::kEndOfStream);
+}
+
+TEST(RecordingSource, GivesAnErrorInThePlaceOfAPictureOfAnotherSize) {
+  TemporaryRecording recording(2);
+  recording.write("frames/000001.pgm", "P5 2 1 255\nab");
+  RecordingSource source(recording.path(), {});
+  ASSERT_TRUE(source.next(soon()));
+  const Result<FrameLease> wrong = source.next(soon());
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().code, Errc::kFrameSize);
+}
+
+TEST(RecordingSource, FailsWithEveryFrameWhenTheCalibrationIsForAnotherSize) {
+  const TemporaryRecording recording(1);
+  RecordingSource source(recording.path(), {.size = {640, 480}});
+  EXPECT_EQ(source.next(soon()).error().code, Errc::kFrameSize);
+}
+
+TEST(RecordingSource, KeepsFailingFramesInALoopedRecordingThatIsDecodedOnce) {
+  const TemporaryRecording recording(2);
+  fs::resize_file(recording.picture(1), 10);
+  RecordingSource source(recording.path(), {.loop = true});
+  for (int pass = 0; pass < 3; ++pass) {
+    EXPECT_TRUE(source.next(soon()));
+    EXPECT_EQ(source.next(soon()).error().code, Errc::kFrameUnreadable);
+  }
+}
+
+TEST(RecordingSource, SurvivesACallerThatHoldsEveryBuffer) {
+  const TemporaryRecording recording(30);
+  RecordingSource source(recording.path(), {.pace = RecordingPace::kRealTime, .rate_hz = 500});
+  std::vector<FrameLease> held;
+  for (std::size_t i = 0; i < RecordingSource::kBufferCount; ++i) {
+    Result<FrameLease> frame = source.next(soon());
+    ASSERT_TRUE(frame);
+    held.push_back(std::move(*frame));
+  }
+  EXPECT_EQ(source.next(mono_now() + 30ms).error().code, Errc::kNoFrame);
+  const std::uint64_t last = held.back().frame_number;
+  held.clear();
+  const Result<FrameLease> later = source.next(soon());
+  ASSERT_TRUE(later);
+  EXPECT_EQ(later->dropped_before, later->frame_number - last - 1);
+}
+
+TEST(RecordingSource, CanBeDestroyedWhileItsThreadWaits) {
+  const TemporaryRecording recording(10);
+  { RecordingSource never_asked(recording.path(), {.pace = RecordingPace::kRealTime}); }
+  { RecordingSource queue_full(recording.path(), {}); }
+  RecordingSource asked(recording.path(), {.pace = RecordingPace::kRealTime, .rate_hz = 0.1, .loop = true});
+  ASSERT_TRUE(asked.next(soon()));
+}
+
+TEST(RecordingIndex, RefusesAFolderWithoutPicturesInOneLine) {
+  TemporaryRecording recording(0);
+  EXPECT_EQ(startup_error_of(recording.path()),
+            recording.path() + "/frames: no picture in it; expected NNNNNN.png, .pgm, .ppm or .jpg");
+}
+
+TEST(RecordingIndex, RefusesWhatIsNoRecording) {
+  const TemporaryRecording recording(1);
+  EXPECT_EQ(startup_error_of("/nonexistent/recording"), "/nonexistent/recording: no such recording");
+  EXPECT_EQ(startup_error_of(recording.path() + "/frames"),
+            recording.path() + "/frames: not a recording: there is no folder 'frames' in it");
+  EXPECT_EQ(startup_error_of(recording.picture(0)),
+            recording.picture(0) + ": not a recording: a folder with frames/ in it, or a .y4m file");
+}
+
+TEST(RecordingIndex, NamesFileAndLineOfADamagedFramesCsv) {
+  TemporaryRecording recording(2);
+  recording.write("frames.csv", "frame,timestamp_ns\n0,0\n1,x\n");
+  EXPECT_EQ(startup_error_of(recording.path()), recording.path() +
+                                                    "/frames.csv:3: timestamp_ns is not a whole number from 0 to "
+                                                    "4000000000000000000");
+}
+
+TEST(RecordingIndex, RefusesAPictureThatFramesCsvDoesNotList) {
+  TemporaryRecording recording(2);
+  recording.write("frames.csv", "frame,timestamp_ns\n0,0\n");
+  EXPECT_NE(startup_error_of(recording.path()).find("000001.pgm is not listed"), std::string::npos);
+}
+
+TEST(RecordingIndex, RefusesTwoPicturesOfTheSameNumber) {
+  TemporaryRecording recording(1);
+  recording.write("frames/0.pgm", "P5 2 1 255\nab");
+  EXPECT_NE(startup_error_of(recording.path()).find("has the same number"), std::string::npos);
+}
+
+TEST(RecordingIndex, RefusesHugeGapsInTheNumbers) {
+  TemporaryRecording recording(1);
+  recording.write("frames/900000000.pgm", "P5 2 1 255\nab");
+  EXPECT_NE(startup_error_of(recording.path()).find("list them in frames.csv"), std::string::npos);
+}
+
+TEST(RecordingIndex, RefusesARecordingOfUnreadablePicturesOnly) {
+  TemporaryRecording recording(0);
+  recording.write("frames/000000.png", "not a picture");
+  EXPECT_NE(startup_error_of(recording.path()).find("000000.png: not a readable picture"), std::string::npos);
+}
+
+TEST(RecordingIndex, RefusesTimesThatJumpByYears) {
+  TemporaryRecording recording(2);
+  recording.write("frames.csv", "frame,timestamp_ns\n0,0\n1,4000000000000000000\n");
+  EXPECT_NE(startup_error_of(recording.path()).find("lasts more than a year"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ninedot
