@@ -7,8 +7,7 @@
 #include "base/mono_time.h"
 #include "base/result.h"
 #include "base/startup_error.h"
-#include "image/chroma_view.h"
-#include "image/image_view.h"
+#include "image/frame.h"
 
 namespace ninedot {
 
@@ -36,12 +35,11 @@ class CameraRefused : public StartupError {
   int os_errno;
 };
 
-struct CapturedFrame {
-  ImageView luma;              ///< valid until `release`
-  ChromaView chroma;           ///< likewise; empty where the camera gives no colour
+/// A buffer of the device's with the newest frame in it.
+struct GrabbedFrame {
+  Frame frame;                 ///< its pixels are valid until `release`; its number is the source's to give
   std::uint32_t buffer = 0;    ///< for `release`
   std::uint32_t sequence = 0;  ///< the device's count of frames, wraps; starts anew with each opening
-  MonoTime exposed_at{};       ///< middle of the exposure
   std::uint32_t skipped = 0;   ///< good frames given back unseen since the grab before, because this one is newer
   std::uint32_t flagged = 0;   ///< buffers given back as damaged since then
 };
@@ -63,7 +61,7 @@ class CameraDevice {
   /// \error kNoFrame: none came in time. kFrameUnreadable: this one is damaged, the device is well. Any other: the
   ///        device must be closed and opened again.
   /// Memory: none of ours. Threads: one caller, while open.
-  virtual Result<CapturedFrame> grab(MonoTime deadline) noexcept = 0;
+  virtual Result<GrabbedFrame> grab(MonoTime deadline) noexcept = 0;
   /// Any thread, while open.
   virtual void release(std::uint32_t buffer) noexcept = 0;
 };

@@ -139,28 +139,29 @@ class LibcameraDevice::Session {
   }
   std::chrono::nanoseconds period() const noexcept { return period_; }
 
-  Result<CapturedFrame> grab(MonoTime deadline) noexcept {
+  Result<GrabbedFrame> grab(MonoTime deadline) noexcept {
     libcamera::Request* request = nullptr;
-    CapturedFrame frame;
+    GrabbedFrame grabbed;
+    Frame& frame = grabbed.frame;
     {
       std::unique_lock lock(mutex_);
       completed_.wait_until(lock, deadline, [this] { return newest_ != nullptr || lost_ != nullptr; });
       if (lost_ != nullptr) return fail(Errc::kCameraLost, lost_, ENODEV);
       if (newest_ == nullptr) return fail(Errc::kNoFrame, "no frame in time");
       request = std::exchange(newest_, nullptr);
-      frame.skipped = std::exchange(skipped_, 0);
-      frame.flagged = std::exchange(flagged_, 0);
+      grabbed.skipped = std::exchange(skipped_, 0);
+      grabbed.flagged = std::exchange(flagged_, 0);
     }
-    frame.buffer = static_cast<std::uint32_t>(request->cookie());
+    grabbed.buffer = static_cast<std::uint32_t>(request->cookie());
     const libcamera::FrameMetadata& metadata = request->findBuffer(stream_)->metadata();
-    frame.sequence = is_filled_in(*request) ? metadata.sequence : request->sequence();
-    frame.exposed_at = exposure_of(*request);
-    synchronise(frame.buffer, DMA_BUF_SYNC_START);
-    frame.luma = luma_of(frame.buffer);
-    const Mapping& mapping = mappings_[frame.buffer];
+    grabbed.sequence = is_filled_in(*request) ? metadata.sequence : request->sequence();
+    set_exposure(*request, frame);
+    synchronise(grabbed.buffer, DMA_BUF_SYNC_START);
+    frame.luma = luma_of(grabbed.buffer);
+    const Mapping& mapping = mappings_[grabbed.buffer];
     frame.chroma = chroma_of(*format_, static_cast<const std::uint8_t*>(mapping.memory) + mapping.offset, stride_bytes_,
                              request_.width_px, request_.height_px, mapping.bytes - mapping.offset);
-    return frame;
+    return grabbed;
   }
 
   void release(std::uint32_t buffer) noexcept {
@@ -342,17 +343,20 @@ class LibcameraDevice::Session {
     camera_->queueRequest(&request);
   }
 
-  MonoTime exposure_of(libcamera::Request& request) const noexcept {
+  void set_exposure(libcamera::Request& request, Frame& frame) const noexcept {
     const MonoTime now = mono_now();
     const auto exposure_us = request.metadata().get(libcamera::controls::ExposureTime);
     const ShutterTiming timing{
         exposure_us ? std::chrono::nanoseconds(std::chrono::microseconds(*exposure_us)) : request_.exposure,
         request_.readout};
     const auto stamp = request.metadata().get(libcamera::controls::SensorTimestamp);
-    if (!stamp) return middle_of_exposure(now, StampPoint::kEndOfFrame, timing);
-    return middle_of_exposure(
-        monotonic_from_sensor_timestamp(std::chrono::nanoseconds(*stamp), read_suspended_time(), now),
-        StampPoint::kStartOfExposure, timing);
+    const auto gain = request.metadata().get(libcamera::controls::AnalogueGain);
+    if (gain) frame.gain = static_cast<double>(*gain);
+    frame.set_exposure(stamp ? middle_of_exposure(monotonic_from_sensor_timestamp(std::chrono::nanoseconds(*stamp),
+                                                                                  read_suspended_time(), now),
+                                                  StampPoint::kStartOfExposure, timing)
+                             : middle_of_exposure(now, StampPoint::kEndOfFrame, timing),
+                       timing.exposure);
   }
 
   /// Caches of the CPU against what the camera wrote; memory that needs none refuses the call.
@@ -412,7 +416,7 @@ void LibcameraDevice::close() noexcept { session_.reset(); }
 std::string LibcameraDevice::description() const { return description_; }
 std::chrono::nanoseconds LibcameraDevice::frame_period() const noexcept { return period_; }
 
-Result<CapturedFrame> LibcameraDevice::grab(MonoTime deadline) noexcept {
+Result<GrabbedFrame> LibcameraDevice::grab(MonoTime deadline) noexcept {
   EXPECTS(session_ != nullptr);
   return session_->grab(deadline);
 }

@@ -31,7 +31,7 @@ class LibcameraDevice final : public CameraDevice {
   void close() noexcept override;
   std::string description() const override;
   std::chrono::nanoseconds frame_period() const noexcept override;
-  Result<CapturedFrame> grab(MonoTime deadline) noexcept override;
+  Result<GrabbedFrame> grab(MonoTime deadline) noexcept override;
   void release(std::uint32_t buffer) noexcept override;
 
  private:

@@ -43,7 +43,7 @@ Result<FrameLease> ReopeningSource::next(MonoTime deadline) noexcept {
     if (!changed_.wait_until(lock, deadline, [this] { return state_ == State::kRunning; }))
       return tl::unexpected<Error>(lost_);
   }
-  const Result<CapturedFrame> frame = device_->grab(std::min(deadline, expected_by_));
+  const Result<GrabbedFrame> frame = device_->grab(std::min(deadline, expected_by_));
   if (frame) return lend(*frame);
   switch (frame.error().code) {
     case Errc::kNoFrame:
@@ -57,27 +57,25 @@ Result<FrameLease> ReopeningSource::next(MonoTime deadline) noexcept {
   }
 }
 
-FrameLease ReopeningSource::lend(const CapturedFrame& frame) noexcept {
+FrameLease ReopeningSource::lend(const GrabbedFrame& grabbed) noexcept {
   expected_by_ = mono_now() + stall_after_;
   // Drivers that don't count say 0 for ever; a count that goes back was started anew.
-  const std::uint32_t step = frame.sequence - last_sequence_;
+  const std::uint32_t step = grabbed.sequence - last_sequence_;
   const bool is_gap = has_delivered_ && step > 1 && step < 0x80000000U;
-  const std::uint32_t passed = std::max(is_gap ? step - 1 : 0U, frame.skipped + frame.flagged);
-  last_sequence_ = frame.sequence;
+  const std::uint32_t passed = std::max(is_gap ? step - 1 : 0U, grabbed.skipped + grabbed.flagged);
+  last_sequence_ = grabbed.sequence;
   has_delivered_ = true;
-  flagged_.fetch_add(frame.flagged, std::memory_order_relaxed);
+  flagged_.fetch_add(grabbed.flagged, std::memory_order_relaxed);
   if (has_number_) frame_number_ += std::uint64_t{passed} + 1;
   has_number_ = true;
   {
     const std::lock_guard lock(mutex_);
     ++lent_;
   }
-  FrameLease lease(this, frame.buffer);
-  lease.luma = frame.luma;
-  lease.chroma = frame.chroma;
-  lease.frame_number = frame_number_;
-  lease.exposed_at = frame.exposed_at;
-  lease.dropped_before = passed - frame.flagged;
+  FrameLease lease(this, grabbed.buffer);
+  lease.frame = grabbed.frame;
+  lease.frame.number = frame_number_;
+  lease.dropped_before = passed - grabbed.flagged;
   return lease;
 }
 

@@ -52,7 +52,7 @@ class ReopeningSource final : public FrameSource, private FrameOwner {
   enum class State { kRunning, kLost };
 
   void give_back(std::uint32_t buffer) noexcept override;
-  FrameLease lend(const CapturedFrame& frame) noexcept;
+  FrameLease lend(const GrabbedFrame& grabbed) noexcept;
   tl::unexpected<Error> lose(const Error& error) noexcept;
   void note_opened() noexcept;
   bool try_open() noexcept;

@@ -212,7 +212,7 @@ void V4l2Device::close() noexcept {
   fd_ = -1;
 }
 
-Result<CapturedFrame> V4l2Device::grab(MonoTime deadline) noexcept {
+Result<GrabbedFrame> V4l2Device::grab(MonoTime deadline) noexcept {
   EXPECTS(fd_ >= 0);
   for (;;) {
     const Result<Taken> taken = take_newest();
@@ -282,11 +282,12 @@ MonoTime V4l2Device::exposure_of(const v4l2_buffer& buffer, MonoTime now) const 
   return middle_of_exposure(stamp, is_start ? StampPoint::kStartOfExposure : StampPoint::kEndOfFrame, timing_);
 }
 
-Result<CapturedFrame> V4l2Device::as_luma(const Taken& taken) noexcept {
-  CapturedFrame frame;
-  frame.buffer = taken.buffer;
-  frame.sequence = taken.sequence;
-  frame.exposed_at = taken.exposed_at;
+Result<GrabbedFrame> V4l2Device::as_luma(const Taken& taken) noexcept {
+  GrabbedFrame grabbed;
+  Frame& frame = grabbed.frame;
+  grabbed.buffer = taken.buffer;
+  grabbed.sequence = taken.sequence;
+  frame.set_exposure(taken.exposed_at, timing_.exposure);
   const auto* const pixels = static_cast<const std::uint8_t*>(mappings_[taken.buffer].memory);
   const int width = request_.width_px, height = request_.height_px;
   frame.luma = {pixels, width, height, static_cast<std::ptrdiff_t>(stride_bytes_)};
@@ -304,9 +305,9 @@ Result<CapturedFrame> V4l2Device::as_luma(const Taken& taken) noexcept {
     }
     frame.luma = {luma, width, height, width};
   }
-  frame.skipped = std::exchange(skipped_, 0);
-  frame.flagged = std::exchange(flagged_, 0);
-  return frame;
+  grabbed.skipped = std::exchange(skipped_, 0);
+  grabbed.flagged = std::exchange(flagged_, 0);
+  return grabbed;
 }
 
 void V4l2Device::release(std::uint32_t index) noexcept {

@@ -34,7 +34,7 @@ class V4l2Device final : public CameraDevice {
   void close() noexcept override;
   std::string description() const override { return description_; }
   std::chrono::nanoseconds frame_period() const noexcept override { return period_; }
-  Result<CapturedFrame> grab(MonoTime deadline) noexcept override;
+  Result<GrabbedFrame> grab(MonoTime deadline) noexcept override;
   void release(std::uint32_t buffer) noexcept override;
 
  private:
@@ -59,7 +59,7 @@ class V4l2Device final : public CameraDevice {
   Result<Taken> take() noexcept;
   Result<Taken> take_newest() noexcept;
   MonoTime exposure_of(const v4l2_buffer& buffer, MonoTime now) const noexcept;
-  Result<CapturedFrame> as_luma(const Taken& taken) noexcept;
+  Result<GrabbedFrame> as_luma(const Taken& taken) noexcept;
 
   const CameraRequest request_;
   VideoKernel& kernel_;

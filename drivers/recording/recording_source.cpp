@@ -64,12 +64,12 @@ Result<FrameLease> RecordingSource::next(MonoTime deadline) noexcept {
     return tl::unexpected<Error>(ready.error);
   }
   FrameLease lease(ready.buffer == kNoBuffer ? nullptr : this, ready.buffer);
-  lease.luma = ImageView{ready.pixels, size_.width_px, size_.height_px, size_.width_px};
-  lease.frame_number = ready.number;
-  lease.exposed_at = ready.exposed_at;
+  lease.frame.luma = ImageView{ready.pixels, size_.width_px, size_.height_px, size_.width_px};
+  lease.frame.number = ready.number;
+  lease.frame.set_exposure(ready.exposed_at);
+  lease.frame.head = HeadAngles{ready.frame->pan_rad, ready.frame->tilt_rad};
+  lease.frame.head_at = ready.exposed_at;
   lease.dropped_before = ready.dropped_before;
-  lease.pan_rad = ready.frame->pan_rad;
-  lease.tilt_rad = ready.frame->tilt_rad;
   return lease;
 }
 

@@ -91,14 +91,16 @@ Result<std::size_t> RecordingWriter::append_row(std::string_view row) noexcept {
   return written;
 }
 
-Result<std::uint64_t> RecordingWriter::add(const FrameLease& frame) {
-  const std::uint64_t number = next_number_ + (frame_count_ > 0 ? frame.dropped_before : 0);
+Result<std::uint64_t> RecordingWriter::add(const FrameLease& lease) {
+  const Frame& frame = lease.frame;
+  const HeadAngles head = frame.head.value_or(HeadAngles{});
+  const std::uint64_t number = next_number_ + (frame_count_ > 0 ? lease.dropped_before : 0);
   const std::string picture = fmt::format("{}/frames/{:06}.png", folder_, number);
   NINEDOT_TRY(const std::size_t encoded_bytes, encode_png_grey(frame.luma, png_));
   const Result<std::size_t> written = write_whole_file(picture, std::span(png_).first(encoded_bytes), write_bytes_);
   if (!written) return tl::unexpected<Error>(written.error());
   const Result<std::size_t> row = append_row(format_frames_csv_row(
-      {number, to_ns(frame.exposed_at), frame.pan_rad * kDegPerRad, frame.tilt_rad * kDegPerRad}));
+      {number, to_ns(frame.exposed_at()), head.pan_rad * kDegPerRad, head.tilt_rad * kDegPerRad}));
   if (!row) {
     ::unlink(picture.c_str());
     return tl::unexpected<Error>(row.error());

@@ -28,7 +28,7 @@ class RecordingWriter {
   /// Pictures are numbered from 0; a number is left out for each frame that was lost before this one.
   /// \return  the number of the picture
   /// \error kIo with errno (ENOSPC: the disk is full); the recording is as it was before the call.
-  Result<std::uint64_t> add(const FrameLease& frame);
+  Result<std::uint64_t> add(const FrameLease& lease);
 
   std::uint64_t frame_count() const noexcept { return frame_count_; }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "pipeline/next_report.h"
 #include "pipeline/report_reason.h"
 
 namespace ninedot {
@@ -53,11 +54,11 @@ bool FrameLoop::step() noexcept {
   turns_.fetch_add(1, std::memory_order_relaxed);
   const MonoTime asked_at = mono_now();
   {
-    const Result<FrameLease> frame = source_.next(asked_at + options_.wait);
-    if (frame)
-      on_frame(*frame);
+    const Result<FrameLease> lease = source_.next(asked_at + options_.wait);
+    if (lease)
+      on_frame(*lease);
     else
-      on_failure(frame.error(), asked_at);
+      on_failure(lease.error(), asked_at);
   }
   if (options_.head != nullptr) options_.head->move();
   const MonoTime now = mono_now();
@@ -65,11 +66,9 @@ bool FrameLoop::step() noexcept {
   return !over();
 }
 
-void FrameLoop::on_frame(const FrameLease& frame) noexcept {
-  health_.frames_dropped += frame.dropped_before;
-  processor_.process(frame.luma, frame.exposed_at, frame.frame_number, report_);
-  report_.pan_rad = frame.pan_rad;
-  report_.tilt_rad = frame.tilt_rad;
+void FrameLoop::on_frame(const FrameLease& lease) noexcept {
+  health_.frames_dropped += lease.dropped_before;
+  report_ = next_report(report_, lease.frame, processor_.process(lease.frame));
   if (options_.head != nullptr) options_.head->aim(mono_now(), report_);
   last_frame_at_ = mono_now();
   if (report_.reason == Reason::kFrameSize) {
@@ -77,7 +76,7 @@ void FrameLoop::on_frame(const FrameLease& frame) noexcept {
     publish();
     return;
   }
-  report_.latency = mono_now() - frame.exposed_at;
+  report_.latency = mono_now() - lease.frame.exposed_at();
   publish();
   latency_.add(report_.latency);
   ++health_.frames_processed;

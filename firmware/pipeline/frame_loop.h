@@ -59,7 +59,7 @@ class FrameLoop {
   void set_temperature(double degC) noexcept { temperature_degC_.store(degC, std::memory_order_relaxed); }
 
  private:
-  void on_frame(const FrameLease& frame) noexcept;
+  void on_frame(const FrameLease& lease) noexcept;
   void on_failure(const Error& error, MonoTime asked_at) noexcept;
   /// No frame, nothing to follow: the head stays, or goes on to its set-point.
   void aim_blindly(MonoTime now) noexcept;

@@ -1,20 +1,36 @@
 #pragma once
 /// What the frame loop does with each frame.
+#include <array>
+#include <chrono>
 #include <cstdint>
 
-#include "base/mono_time.h"
-#include "image/image_view.h"
+#include "image/frame.h"
+#include "pose/estimate.h"
 #include "proto/report.h"
 
 namespace ninedot {
 
+/// What one frame says of where the camera is. Says nothing of the frames before it.
+struct Fix {
+  Reason reason = Reason::kNoLandmark;  ///< kNone: all below is valid; else only `found`, `tracked`, `process_time`
+  bool found = false;                   ///< the frame shows a landmark
+  bool tracked = false;                 ///< it was where it was expected
+  bool calibrated = false;              ///< the camera's calibration was loaded
+  Solver solver = Solver::kFull;
+  std::uint16_t landmark_id = 0;
+  PoseEstimate pose;                                      ///< of the camera in the frame of that landmark
+  Transform<frame::World, frame::Camera> T_world_camera;  ///< by the map
+  std::array<double, 6> sigma_world{};                    ///< 1-sigma: x y z [m], about the world's x y z [rad]
+  bool ambiguous = false;                                 ///< above the configured limit
+  std::uint16_t quality = 0;                              ///< 0..1000, see pose_quality
+  std::chrono::nanoseconds process_time{};
+};
+
 class FrameProcessor {
  public:
   virtual ~FrameProcessor() = default;
-  /// Turns the report of the frame before into this frame's; everything but `published_at` and `latency` is filled.
-  /// When nothing is found the pose stays, with valid = false and the reason. Memory: none. Threads: one caller.
-  virtual void process(const ImageView& luma, MonoTime exposed_at, std::uint64_t frame_number,
-                       Report& report) noexcept = 0;
+  /// \return  valid until the next call. Memory: none. Threads: one caller.
+  virtual const Fix& process(const Frame& frame) noexcept = 0;
 };
 
 }  // namespace ninedot

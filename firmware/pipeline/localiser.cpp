@@ -1,6 +1,5 @@
 // The landmark is looked for where it was in the frame before, then everywhere. The chosen solver turns it into a pose,
-// and a pose that is not finite or claims no uncertainty at all counts as none. A report is written only at the end,
-// so that a failure on the way leaves the last pose whole.
+// and a pose that is not finite or claims no uncertainty at all counts as none.
 #include "pipeline/localiser.h"
 
 #include <algorithm>
@@ -13,10 +12,6 @@ namespace {
 
 // A landmark whose motion is foretold no better than this is found sooner by the detector than by its outlines.
 constexpr double kLittleSurprise_px = 0.5;
-
-ReportPose report_pose(const Eigen::Vector3d& position_m, const Eigen::Quaterniond& q) noexcept {
-  return {{position_m.x(), position_m.y(), position_m.z()}, {q.w(), q.x(), q.y(), q.z()}};
-}
 
 }  // namespace
 
@@ -95,27 +90,13 @@ Result<PoseEstimate> Localiser::search(const ImageView& luma) noexcept {
   return solve(luma, nullptr);
 }
 
-void Localiser::fill_pose(const PoseEstimate& pose, Report& report) const noexcept {
-  const auto T_world_camera = options_.T_world_landmark * pose.T_landmark_camera;
-  report.camera_in_landmark = report_pose(pose.T_landmark_camera.translation_m, pose.T_landmark_camera.quaternion());
-  report.camera_in_world = report_pose(T_world_camera.translation_m, T_world_camera.quaternion());
-  for (Eigen::Index row = 0; row < 6; ++row)
-    for (Eigen::Index column = 0; column < 6; ++column)
-      report.covariance[static_cast<std::size_t>(6 * row + column)] = pose.covariance(row, column);
-  report.sigma_world = world_sigmas(pose, options_.T_world_landmark);
-  report.landmark_id = options_.landmark_id;
-  report.quality = pose_quality(pose);
-  report.ambiguity = pose.ambiguity;
-  report.ambiguous = pose.ambiguity > options_.max_ambiguity;
-  report.rms_px = pose.rms_px;
-  report.dots_used = static_cast<std::uint16_t>(pose.dots_used);
-  report.occlusion_level = static_cast<std::uint16_t>(pose.occlusion_level);
-  report.swing_psi_rad = pose.ellipse.swing_psi_rad;
-  report.tilt_phi_rad = pose.ellipse.tilt_phi_rad;
-  report.pan_theta_rad = pose.ellipse.pan_theta_rad;
-  report.distance_m = pose.ellipse.distance_m;
-  report.image_distance_m = pose.ellipse.image_distance_m;
-  report.deviation_rad = pose.ellipse.deviation_rad;
+void Localiser::fill_pose(const PoseEstimate& pose) noexcept {
+  fix_.pose = pose;
+  fix_.T_world_camera = options_.T_world_landmark * pose.T_landmark_camera;
+  fix_.sigma_world = world_sigmas(pose, options_.T_world_landmark);
+  fix_.landmark_id = options_.landmark_id;
+  fix_.quality = pose_quality(pose);
+  fix_.ambiguous = pose.ambiguity > options_.max_ambiguity;
 }
 
 void Localiser::note_motion(const Result<PoseEstimate>& pose, MonoTime exposed_at) noexcept {
@@ -132,33 +113,25 @@ void Localiser::note_motion(const Result<PoseEstimate>& pose, MonoTime exposed_a
                    (now.translation_m - before.translation_m) / since_s};
 }
 
-void Localiser::process(const ImageView& luma, MonoTime exposed_at, std::uint64_t frame_number,
-                        Report& report) noexcept {
-  const MonoTime begin = mono_now();
-  ++report.heartbeat;
-  report.frame_number = frame_number;
-  report.calibrated = options_.calibrated;
-  report.solver = options_.solver;
+const Fix& Localiser::process(const Frame& frame) noexcept {
+  const MonoTime begin = mono_now(), exposed_at = frame.exposed_at();
+  fix_.calibrated = options_.calibrated;
+  fix_.solver = options_.solver;
 
-  Result<PoseEstimate> pose = follow(luma, exposed_at);
-  const bool tracked = pose.has_value();
-  if (!tracked) pose = search(luma);  // the landmark jumped, or what was near the track is not it
+  Result<PoseEstimate> pose = follow(frame.luma, exposed_at);
+  fix_.tracked = pose.has_value();
+  if (!fix_.tracked) pose = search(frame.luma);  // the landmark jumped, or what was near the track is not it
   note_motion(pose, exposed_at);
   solved_last_ = pose.has_value();
   if (pose) {
     pose_ = *pose;
     pose_at_ = exposed_at;
-    fill_pose(pose_, report);
-    report.exposed_at = exposed_at;
-    ++report.pose_sequence;
-    report.valid = true;
-    report.reason = Reason::kNone;
-  } else {
-    mark_invalid(reason_of(pose.error().code), report);
+    fill_pose(pose_);
   }
-  report.found = found_last_;
-  report.tracking = tracked;
-  report.process_time = mono_now() - begin;
+  fix_.reason = pose ? Reason::kNone : reason_of(pose.error().code);
+  fix_.found = found_last_;
+  fix_.process_time = mono_now() - begin;
+  return fix_;
 }
 
 }  // namespace ninedot

@@ -7,7 +7,6 @@
 #include "pipeline/frame_processor.h"
 #include "pose/ellipse_solver.h"
 #include "pose/full_solver.h"
-#include "proto/report.h"
 
 namespace ninedot {
 
@@ -42,10 +41,7 @@ class Localiser final : public FrameProcessor {
  public:
   Localiser(const CameraModel& camera, const LocaliserOptions& options);
 
-  /// Fills every field of the next report but the published_at and latency of `report`, which comes in as the report
-  /// of the frame before: when nothing is found its pose stays, with valid = false and the reason.
-  void process(const ImageView& luma, MonoTime exposed_at, std::uint64_t frame_number,
-               Report& report) noexcept override;
+  const Fix& process(const Frame& frame) noexcept override;
 
   /// The last landmark found, for overlays; null when the last frame showed none. Where its outlines alone were
   /// followed it says so (LandmarkObservation::from_pose).
@@ -61,7 +57,7 @@ class Localiser final : public FrameProcessor {
   /// Everywhere.
   Result<PoseEstimate> search(const ImageView& luma) noexcept;
   Result<PoseEstimate> solve(const ImageView& luma, const PoseEstimate* previous) noexcept;
-  void fill_pose(const PoseEstimate& pose, Report& report) const noexcept;
+  void fill_pose(const PoseEstimate& pose) noexcept;
 
   /// Per second, in the camera frame.
   struct Motion {
@@ -73,6 +69,7 @@ class Localiser final : public FrameProcessor {
   Detector detector_;
   FullSolver full_;
   EllipseSolver ellipse_;
+  Fix fix_;
   LandmarkObservation seen_{};
   PoseEstimate pose_{};
   MonoTime pose_at_{};

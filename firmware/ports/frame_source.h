@@ -4,10 +4,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "base/mono_time.h"
 #include "base/result.h"
-#include "image/chroma_view.h"
-#include "image/image_view.h"
+#include "image/frame.h"
 
 namespace ninedot {
 
@@ -31,20 +29,15 @@ class FrameLease {
       release();
       owner_ = std::exchange(other.owner_, nullptr);
       buffer_ = other.buffer_;
-      luma = other.luma, chroma = other.chroma, frame_number = other.frame_number, exposed_at = other.exposed_at,
+      frame = other.frame;
       dropped_before = other.dropped_before;
-      pan_rad = other.pan_rad, tilt_rad = other.tilt_rad;
     }
     return *this;
   }
   ~FrameLease() { release(); }
 
-  ImageView luma;                    ///< valid while the lease lives
-  ChromaView chroma;                 ///< likewise; empty where the source gives no colour
-  std::uint64_t frame_number = 0;    ///< the source's own count (a recording's frame number; a camera's sequence)
-  MonoTime exposed_at{};             ///< middle of the exposure
+  Frame frame;                       ///< its pixels are valid while the lease lives
   std::uint32_t dropped_before = 0;  ///< frames lost since the one before: skipped by the source or by newest-wins
-  double pan_rad = 0, tilt_rad = 0;  ///< of the camera where the source knows them (recordings), else 0
 
  private:
   void release() noexcept {

@@ -21,6 +21,7 @@
 #include "drivers/posix/output_file.h"
 #include "drivers/recording/recording_source.h"
 #include "pipeline/localiser.h"
+#include "pipeline/next_report.h"
 #include "programs/assembly/input_files.h"
 #include "programs/assembly/localiser_options.h"
 #include "programs/commands/commands.h"
@@ -89,10 +90,10 @@ class OverlayWriter {
     if (!folder_.empty() && mkdir(folder_.c_str(), 0777) != 0 && errno != EEXIST)
       throw StartupError(ExitStatus::kWorkFailed, fmt::format("{} cannot be made: {}", folder_, std::strerror(errno)));
   }
-  void write(const FrameLease& frame, const Report& report, const LandmarkObservation* seen) {
+  void write(const Frame& frame, const Report& report, const LandmarkObservation* seen) {
     if (folder_.empty()) return;
     draw_overlay(frame.luma, report, seen, camera_, landmark_, 0, picture_);
-    const std::string path = fmt::format("{}/{:06}.png", folder_, frame.frame_number);
+    const std::string path = fmt::format("{}/{:06}.png", folder_, frame.number);
     const auto written = write_png_rgb(path, picture_.pixels, {picture_.width_px, picture_.height_px});
     if (!written)
       throw StartupError(ExitStatus::kWorkFailed,
@@ -140,10 +141,12 @@ class RecordedTimes {
   RecordedTimes(const std::string& recording, bool needed) {
     if (needed) frames_ = read_recording_index(recording).frames;
   }
-  MonoTime of(const FrameLease& frame) const {
-    const auto at = std::lower_bound(frames_.begin(), frames_.end(), frame.frame_number,
+  Frame stamped(const Frame& frame) const {
+    Frame copy = frame;
+    const auto at = std::lower_bound(frames_.begin(), frames_.end(), frame.number,
                                      [](const RecordedFrame& f, std::uint64_t number) { return f.number < number; });
-    return at == frames_.end() ? frame.exposed_at : MonoTime(at->recorded_at);
+    if (at != frames_.end()) copy.set_exposure(MonoTime(at->recorded_at));
+    return copy;
   }
 
  private:
@@ -167,11 +170,11 @@ void run_replay(const ReplayArguments& arguments) {
   Progress progress(source.frame_count());
   Report report;
   for (;;) {
-    const Result<FrameLease> frame = source.next(mono_now() + 1s);
-    if (!frame && frame.error().code == Errc::kEndOfStream) break;
-    if (!frame && frame.error().code == Errc::kNoFrame) continue;
+    const Result<FrameLease> lease = source.next(mono_now() + 1s);
+    if (!lease && lease.error().code == Errc::kEndOfStream) break;
+    if (!lease && lease.error().code == Errc::kNoFrame) continue;
     ++counts.frames;
-    if (!frame) {
+    if (!lease) {
       progress.clear();
       if (!arguments.keep_going)
         throw StartupError(
@@ -181,14 +184,15 @@ void run_replay(const ReplayArguments& arguments) {
       ++counts.unreadable;
       continue;
     }
-    counts.dropped += frame->dropped_before;
-    localiser.process(frame->luma, times.of(*frame), frame->frame_number, report);
+    counts.dropped += lease->dropped_before;
+    const Frame frame = times.stamped(lease->frame);
+    report = next_report(report, frame, localiser.process(frame));
     counts.process_us.push_back(std::chrono::duration<double, std::micro>(report.process_time).count());
     if (report.valid) {
       ++counts.found;
       rows.add(report);
     }
-    overlay.write(*frame, report, localiser.last_observation());
+    overlay.write(frame, report, localiser.last_observation());
     progress.show(counts.frames);
   }
   rows.finish();

@@ -8,6 +8,7 @@
 #include "pipeline/localiser.h"
 #include "pose/full_solver.h"
 #include "tests/bench/contenders.h"
+#include "tests/support/process_picture.h"
 #include "tests/support/random.h"
 
 namespace ninedot::bench {
@@ -66,8 +67,8 @@ class Tracking final : public Contender {
   }
   void process(const ImageView& luma) {
     ++frame_;
-    localiser_.process(luma, MonoTime(std::chrono::milliseconds(30 * frame_)), static_cast<std::uint64_t>(frame_),
-                       report_);
+    test::process_picture(localiser_, luma, MonoTime(std::chrono::milliseconds(30 * frame_)),
+                          static_cast<std::uint64_t>(frame_), report_);
   }
 
   const int px_per_frame_;

@@ -8,6 +8,7 @@
 #include "pipeline/localiser.h"
 #include "tests/bench/picture_quality.h"
 #include "tests/bench/position_bound.h"
+#include "tests/support/process_picture.h"
 
 namespace ninedot::bench {
 namespace {
@@ -60,8 +61,8 @@ CaseScore score_case(const CaseFolder& recording) {
   Report report;
   for (const CaseFrame& picture : recording.frames) {
     const MonoTime started = mono_now();
-    localiser.process(recording.view(picture), mono_from_ns(picture.timestamp_ns + 1),
-                      static_cast<std::uint64_t>(picture.number), report);
+    test::process_picture(localiser, recording.view(picture), mono_from_ns(picture.timestamp_ns + 1),
+                          static_cast<std::uint64_t>(picture.number), report);
     const double process_us = std::chrono::duration<double, std::micro>(mono_now() - started).count();
 
     std::vector<Shot> shots;

@@ -16,7 +16,7 @@ constexpr auto kPeriod = 4ms;
 class ScriptedDevice final : public CameraDevice {
  public:
   struct Answer {
-    CapturedFrame frame{};
+    GrabbedFrame frame{};
     Errc failure{};  // 0: the frame
     int os_errno = 0;
   };
@@ -63,7 +63,7 @@ class ScriptedDevice final : public CameraDevice {
   }
   std::string description() const override { return "scripted"; }
   std::chrono::nanoseconds frame_period() const noexcept override { return kPeriod; }
-  Result<CapturedFrame> grab(MonoTime deadline) noexcept override {
+  Result<GrabbedFrame> grab(MonoTime deadline) noexcept override {
     {
       const std::lock_guard lock(script_.mutex);
       EXPECT_TRUE(script_.is_open);
@@ -139,7 +139,7 @@ TEST(ReopeningSource, CountsGapsSkippedAndFlaggedFramesOnceEach) {
     script.add(step.answer);
     const Result<FrameLease> lease = source.next(mono_now() + 1s);
     ASSERT_TRUE(lease);
-    EXPECT_EQ(lease->frame_number, step.number);
+    EXPECT_EQ(lease->frame.number, step.number);
     EXPECT_EQ(lease->dropped_before, step.dropped) << step.number;
   }
   EXPECT_EQ(source.counters().flagged, 1U);
@@ -180,7 +180,7 @@ TEST(ReopeningSource, AFailingDeviceIsClosedAndOpenedAgainAndFrameNumbersGoOn) {
     EXPECT_EQ(source.counters().restarts, static_cast<std::uint32_t>(round));
   }
   script.add(frame(1));
-  EXPECT_EQ(source.next(mono_now() + 1s)->frame_number, 6U);
+  EXPECT_EQ(source.next(mono_now() + 1s)->frame.number, 6U);
 }
 
 TEST(ReopeningSource, SaysInPlainWordsThatTheSignalIsMissing) {

@@ -65,11 +65,11 @@ TEST(V4l2Device, LendsTheDriversOwnBufferOfLumaAndTakesItBack) {
   V4l2Device& device = bench.opened();
   EXPECT_EQ(bench.kernel.queued.size(), 4U);
   bench.kernel.deliver({.sequence = 9, .stamp = mono_now()}, 77);
-  const Result<CapturedFrame> frame = device.grab(mono_now() + 1s);
+  const Result<GrabbedFrame> frame = device.grab(mono_now() + 1s);
   ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->luma.pixels, bench.kernel.memory[frame->buffer].data()) << "no copy";
-  EXPECT_EQ(frame->luma.stride_bytes, 64);
-  EXPECT_EQ(frame->luma.at(31, 3), 77);
+  EXPECT_EQ(frame->frame.luma.pixels, bench.kernel.memory[frame->buffer].data()) << "no copy";
+  EXPECT_EQ(frame->frame.luma.stride_bytes, 64);
+  EXPECT_EQ(frame->frame.luma.at(31, 3), 77);
   EXPECT_EQ(frame->sequence, 9U);
   EXPECT_EQ(bench.kernel.queued.size(), 3U);
   device.release(frame->buffer);
@@ -84,18 +84,18 @@ TEST(V4l2Device, LeavesTheColourReadableBesideTheLuma) {
     Bench bench(find_pixel_format(name)->fourcc);
     V4l2Device& device = bench.opened();
     bench.kernel.deliver({.stamp = mono_now()}, 90);
-    const Result<CapturedFrame> frame = device.grab(mono_now() + 1s);
+    const Result<GrabbedFrame> frame = device.grab(mono_now() + 1s);
     ASSERT_TRUE(frame) << name;
-    ASSERT_FALSE(frame->chroma.empty()) << name;
+    ASSERT_FALSE(frame->frame.chroma.empty()) << name;
     const std::vector<std::uint8_t>& memory = bench.kernel.memory[frame->buffer];
-    EXPECT_EQ(frame->chroma.cr_at(frame->chroma.width - 1, frame->chroma.height - 1), 90) << name;
-    EXPECT_LT(&frame->chroma.cr[frame->chroma.stride_bytes * (frame->chroma.height - 1)],
+    EXPECT_EQ(frame->frame.chroma.cr_at(frame->frame.chroma.width - 1, frame->frame.chroma.height - 1), 90) << name;
+    EXPECT_LT(&frame->frame.chroma.cr[frame->frame.chroma.stride_bytes * (frame->frame.chroma.height - 1)],
               memory.data() + memory.size());
   }
   Bench grey;
   V4l2Device& device = grey.opened();
   grey.kernel.deliver({.stamp = mono_now()});
-  EXPECT_TRUE(device.grab(mono_now() + 1s)->chroma.empty());
+  EXPECT_TRUE(device.grab(mono_now() + 1s)->frame.chroma.empty());
 }
 
 TEST(V4l2Device, ConvertsOtherFormatsIntoItsOwnMemory) {
@@ -103,12 +103,12 @@ TEST(V4l2Device, ConvertsOtherFormatsIntoItsOwnMemory) {
     Bench bench(find_pixel_format(name)->fourcc);
     V4l2Device& device = bench.opened();
     bench.kernel.deliver({.stamp = mono_now()}, name == std::string("Y10") || name == std::string("Y12") ? 1 : 90);
-    const Result<CapturedFrame> frame = device.grab(mono_now() + 1s);
+    const Result<GrabbedFrame> frame = device.grab(mono_now() + 1s);
     ASSERT_TRUE(frame) << name;
-    EXPECT_NE(frame->luma.pixels, bench.kernel.memory[frame->buffer].data());
-    EXPECT_EQ(frame->luma.stride_bytes, kWidth);
+    EXPECT_NE(frame->frame.luma.pixels, bench.kernel.memory[frame->buffer].data());
+    EXPECT_EQ(frame->frame.luma.stride_bytes, kWidth);
     const int expected = name == std::string("Y10") ? 0x0101 >> 2 : name == std::string("Y12") ? 0x0101 >> 4 : 90;
-    EXPECT_EQ(frame->luma.at(31, 3), expected) << name;
+    EXPECT_EQ(frame->frame.luma.at(31, 3), expected) << name;
   }
 }
 
@@ -117,9 +117,9 @@ TEST(V4l2Device, TheNewestFrameWinsAndTheOlderOnesAreGivenBackAndCounted) {
   V4l2Device& device = bench.opened();
   for (std::uint32_t i = 0; i < 3; ++i)
     bench.kernel.deliver({.sequence = i, .stamp = mono_now()}, static_cast<std::uint8_t>(10 + i));
-  const Result<CapturedFrame> frame = device.grab(mono_now());
+  const Result<GrabbedFrame> frame = device.grab(mono_now());
   ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->luma.at(0, 0), 12);
+  EXPECT_EQ(frame->frame.luma.at(0, 0), 12);
   EXPECT_EQ(frame->skipped, 2U);
   EXPECT_EQ(bench.kernel.queued.size(), 3U);
 }
@@ -131,7 +131,7 @@ TEST(V4l2Device, GrabsConvertsAndReleasesWithoutTheHeap) {
     for (std::uint32_t i = 0; i < 20; ++i) {
       bench.kernel.deliver({.sequence = i, .stamp = mono_now()});
       const test::AllocationGuard guard;
-      const Result<CapturedFrame> frame = device.grab(mono_now());
+      const Result<GrabbedFrame> frame = device.grab(mono_now());
       ASSERT_TRUE(frame);
       device.release(frame->buffer);
       ASSERT_EQ(device.grab(mono_now()).error().code, Errc::kNoFrame);
@@ -146,9 +146,9 @@ TEST(V4l2Device, BuffersFlaggedOrTooShortAreSkippedAndCounted) {
   bench.kernel.deliver({.sequence = 0, .stamp = mono_now()}, 50);
   bench.kernel.deliver({.sequence = 1, .stamp = mono_now(), .flags = kMono | V4L2_BUF_FLAG_ERROR}, 51);
   bench.kernel.deliver({.sequence = 2, .stamp = mono_now(), .bytes = kWidth * kHeight - 1}, 52);
-  const Result<CapturedFrame> frame = device.grab(mono_now());
+  const Result<GrabbedFrame> frame = device.grab(mono_now());
   ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->luma.at(0, 0), 50) << "the newest GOOD frame";
+  EXPECT_EQ(frame->frame.luma.at(0, 0), 50) << "the newest GOOD frame";
   EXPECT_EQ(frame->flagged, 2U);
   EXPECT_EQ(frame->skipped, 0U);
   EXPECT_EQ(bench.kernel.queued.size(), 3U);
@@ -171,14 +171,14 @@ TEST(V4l2Device, AMonotonicStampBecomesTheMiddleOfTheExposure) {
   V4l2Device& device = bench.opened();
   const MonoTime stamp = std::chrono::floor<std::chrono::microseconds>(mono_now() - 20ms);
   bench.kernel.deliver({.stamp = stamp});
-  Result<CapturedFrame> frame = device.grab(mono_now());
+  Result<GrabbedFrame> frame = device.grab(mono_now());
   ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->exposed_at, stamp - 6ms - 2ms) << "end of frame";
+  EXPECT_EQ(frame->frame.exposed_at(), stamp - 6ms - 2ms) << "end of frame";
   device.release(frame->buffer);
   bench.kernel.deliver({.stamp = stamp, .flags = kMono | V4L2_BUF_FLAG_TSTAMP_SRC_SOE});
   frame = device.grab(mono_now());
   ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->exposed_at, stamp + 2ms) << "start of exposure";
+  EXPECT_EQ(frame->frame.exposed_at(), stamp + 2ms) << "start of exposure";
 }
 
 TEST(V4l2Device, AStampOfAnotherClockOrFromTheFutureGivesWayToTheArrival) {
@@ -188,10 +188,10 @@ TEST(V4l2Device, AStampOfAnotherClockOrFromTheFutureGivesWayToTheArrival) {
   for (const auto& [stamp, flags] : {std::pair{before - 20ms, std::uint32_t{V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN}},
                                      std::pair{before + 1h, kMono}, std::pair{before - 1h, kMono}}) {
     bench.kernel.deliver({.stamp = stamp, .flags = flags});
-    const Result<CapturedFrame> frame = device.grab(mono_now());
+    const Result<GrabbedFrame> frame = device.grab(mono_now());
     ASSERT_TRUE(frame);
-    EXPECT_GE(frame->exposed_at, before);
-    EXPECT_LE(frame->exposed_at, mono_now());
+    EXPECT_GE(frame->frame.exposed_at(), before);
+    EXPECT_LE(frame->frame.exposed_at(), mono_now());
     device.release(frame->buffer);
   }
 }
@@ -201,7 +201,7 @@ TEST(V4l2Device, FaultsOfTheStreamAskForANewOpening) {
     Bench bench;
     V4l2Device& device = bench.opened();
     fault(bench.kernel);
-    const Result<CapturedFrame> frame = device.grab(mono_now() + 5ms);
+    const Result<GrabbedFrame> frame = device.grab(mono_now() + 5ms);
     EXPECT_FALSE(frame);
     return frame ? Error{Errc::kNoFrame} : frame.error();
   };
@@ -285,9 +285,9 @@ TEST(V4l2Device, AJpegIsDecodedIntoItsOwnMemory) {
   V4l2Device& device = bench.opened();
   bench.kernel.deliver({.stamp = mono_now(), .bytes = static_cast<std::uint32_t>(bytes.size())});
   std::ranges::copy(bytes, bench.kernel.memory[bench.kernel.filled.front().index].begin());
-  const Result<CapturedFrame> frame = device.grab(mono_now());
+  const Result<GrabbedFrame> frame = device.grab(mono_now());
   ASSERT_TRUE(frame);
-  EXPECT_TRUE(std::equal(expected.begin(), expected.end(), frame->luma.pixels));
+  EXPECT_TRUE(std::equal(expected.begin(), expected.end(), frame->frame.luma.pixels));
 }
 
 TEST(V4l2Controls, AutomaticsAreSwitchedOffBeforeTheValuesAreWrittenAndSoAtEachOpening) {

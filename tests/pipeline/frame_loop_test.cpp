@@ -32,11 +32,11 @@ class ScriptedSource final : public FrameSource, private FrameOwner {
     const Entry& entry = script_[at_++];
     if (entry.failure != Errc{}) return fail(entry.failure, "as the test wants it", 5);
     FrameLease lease(this, 0);
-    lease.luma = {pixels_.data(), 4, 4, 4};
-    lease.frame_number = entry.frame_number;
-    lease.exposed_at = mono_now() - 3ms;
+    lease.frame.luma = {pixels_.data(), 4, 4, 4};
+    lease.frame.number = entry.frame_number;
+    lease.frame.set_exposure(mono_now() - 3ms);
     lease.dropped_before = entry.dropped_before;
-    lease.pan_rad = 0.25;
+    lease.frame.head = HeadAngles{0.25, 0};
     ++lent;
     return lease;
   }
@@ -56,20 +56,18 @@ class ScriptedSource final : public FrameSource, private FrameOwner {
 /// Even frames show a landmark at x = frame number, odd ones none.
 class EvenFramesAreFound final : public FrameProcessor {
  public:
-  void process(const ImageView&, MonoTime exposed_at, std::uint64_t frame_number, Report& report) noexcept override {
-    ++report.heartbeat;
-    report.frame_number = frame_number;
-    if (frame_number % 2 != 0) {
-      mark_invalid(Reason::kNoLandmark, report);
-      return;
-    }
-    ++report.pose_sequence;
-    report.valid = report.found = true;
-    report.reason = Reason::kNone;
-    report.quality = 900;
-    report.exposed_at = exposed_at;
-    report.camera_in_world.position_m[0] = static_cast<double>(frame_number);
+  const Fix& process(const Frame& frame) noexcept override {
+    fix_ = Fix{};
+    if (frame.number % 2 != 0) return fix_;
+    fix_.found = true;
+    fix_.reason = Reason::kNone;
+    fix_.quality = 900;
+    fix_.T_world_camera.translation_m.x() = static_cast<double>(frame.number);
+    return fix_;
   }
+
+ private:
+  Fix fix_;
 };
 
 class OrdinaryThread final : public FrameThread {

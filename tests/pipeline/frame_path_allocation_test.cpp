@@ -14,6 +14,7 @@
 #include "pipeline/localiser.h"
 #include "programs/assembly/input_files.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/process_picture.h"
 #include "tests/support/renderer.h"
 
 namespace ninedot {
@@ -81,7 +82,8 @@ TEST(FramePath, AllocatesNothingWhileItFollowsAStillLandmark) {
   Report report;
   for (int i = 0; i < 5; ++i) {
     const test::AllocationGuard guard;
-    localiser.process(picture.view(), MonoTime(std::chrono::seconds(i + 1)), static_cast<std::uint64_t>(i), report);
+    test::process_picture(localiser, picture.view(), MonoTime(std::chrono::seconds(i + 1)),
+                          static_cast<std::uint64_t>(i), report);
     EXPECT_EQ(guard.allocations(), 0U) << i;
     EXPECT_EQ(report.tracking, i > 0);
   }

@@ -11,6 +11,7 @@
 
 #include "drivers/servo/simulated_pan_tilt.h"
 #include "pipeline/localiser.h"
+#include "tests/support/process_picture.h"
 #include "tests/support/renderer.h"
 
 namespace ninedot {
@@ -56,7 +57,7 @@ class Rig {
     test::Scene scene;
     scene.camera = turned(at);
     const test::Picture picture = test::render(scene, 7);
-    localiser_.process(picture.view(), now_, frame_++, report);
+    test::process_picture(localiser_, picture.view(), now_, frame_++, report);
     control.aim(now_ + 10ms, report);
     control.move();
     now_ += kFrame;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/units.h"
+#include "tests/support/process_picture.h"
 #include "tests/support/renderer.h"
 #include "world/landmark_map.h"
 
@@ -46,7 +47,7 @@ TEST_P(LocaliserWithEachSolver, FillsEveryFieldOfTheReportOfAFrameThatShowsTheLa
   const test::Picture picture = test::render(scene, 1);
   Localiser unit(CameraModel{}, {.solver = GetParam(), .landmark_id = 7});
   Report report;
-  unit.process(picture.view(), MonoTime(5s), 42, report);
+  test::process_picture(unit, picture.view(), MonoTime(5s), 42, report);
   EXPECT_TRUE(report.valid && report.found && report.calibrated);
   EXPECT_FALSE(report.tracking) << "there was no frame before";
   EXPECT_EQ(report.reason, Reason::kNone);
@@ -75,9 +76,9 @@ TEST_P(LocaliserWithEachSolver, TracksFromTheSecondFrameOnAndFindsTheSamePose) {
   const test::Picture picture = test::render(scene_at(1.5), 1);
   Localiser unit(CameraModel{}, {.solver = GetParam()});
   Report first, second;
-  unit.process(picture.view(), MonoTime(1s), 0, first);
+  test::process_picture(unit, picture.view(), MonoTime(1s), 0, first);
   second = first;
-  unit.process(picture.view(), MonoTime(2s), 1, second);
+  test::process_picture(unit, picture.view(), MonoTime(2s), 1, second);
   EXPECT_TRUE(second.valid);
   EXPECT_TRUE(second.tracking);
   EXPECT_LT(distance_m(second.camera_in_landmark, first.camera_in_landmark.position_m), 0.002);
@@ -95,8 +96,8 @@ TEST(Localiser, FollowsAMovingLandmarkAsWellAsItFindsIt) {
     set_noise(scene.sensor, 1.5);
     const test::Picture picture = test::render(scene, static_cast<std::uint64_t>(i));
     const MonoTime at = MonoTime(1s) + i * 28ms;
-    tracking.process(picture.view(), at, static_cast<std::uint64_t>(i), tracked);
-    searching.process(picture.view(), at, static_cast<std::uint64_t>(i), searched);
+    test::process_picture(tracking, picture.view(), at, static_cast<std::uint64_t>(i), tracked);
+    test::process_picture(searching, picture.view(), at, static_cast<std::uint64_t>(i), searched);
     ASSERT_TRUE(tracked.valid && searched.valid) << i;
     EXPECT_EQ(tracked.tracking, i > 0);
     const double sigma_m = std::sqrt(searched.covariance[0] + searched.covariance[7] + searched.covariance[14]);
@@ -108,9 +109,9 @@ TEST_P(LocaliserWithEachSolver, NeverTracksWhenToldNotTo) {
   const test::Picture picture = test::render(scene_at(1.5), 1);
   Localiser unit(CameraModel{}, {.solver = GetParam(), .tracking = false});
   Report first, second;
-  unit.process(picture.view(), MonoTime(1s), 0, first);
+  test::process_picture(unit, picture.view(), MonoTime(1s), 0, first);
   second = first;
-  unit.process(picture.view(), MonoTime(2s), 1, second);
+  test::process_picture(unit, picture.view(), MonoTime(2s), 1, second);
   EXPECT_FALSE(second.tracking);
   EXPECT_EQ(second.camera_in_landmark.position_m, first.camera_in_landmark.position_m);
 }
@@ -120,10 +121,10 @@ TEST_P(LocaliserWithEachSolver, KeepsTheLastPoseButNotItsValidityWhenTheLandmark
   const test::Picture without = empty_wall();
   Localiser unit(CameraModel{}, {.solver = GetParam()});
   Report report;
-  unit.process(with.view(), MonoTime(1s), 0, report);
+  test::process_picture(unit, with.view(), MonoTime(1s), 0, report);
   const Report before = report;
   EXPECT_NE(unit.last_observation(), nullptr);
-  unit.process(without.view(), MonoTime(2s), 1, report);
+  test::process_picture(unit, without.view(), MonoTime(2s), 1, report);
   EXPECT_FALSE(report.valid || report.found || report.tracking);
   EXPECT_EQ(report.reason, Reason::kNoLandmark);
   EXPECT_EQ(report.quality, 0);
@@ -133,7 +134,7 @@ TEST_P(LocaliserWithEachSolver, KeepsTheLastPoseButNotItsValidityWhenTheLandmark
   EXPECT_EQ(report.camera_in_world.position_m, before.camera_in_world.position_m);
   EXPECT_EQ(report.covariance, before.covariance);
   EXPECT_EQ(unit.last_observation(), nullptr);
-  unit.process(with.view(), MonoTime(3s), 2, report);
+  test::process_picture(unit, with.view(), MonoTime(3s), 2, report);
   EXPECT_TRUE(report.valid);
   EXPECT_EQ(report.reason, Reason::kNone);
 }
@@ -145,8 +146,8 @@ TEST_P(LocaliserWithEachSolver, FindsTheLandmarkAnywhereWhenItJumpedOutOfItsTrac
   const test::Picture there = test::render(scene, 2);
   Localiser unit(CameraModel{}, {.solver = GetParam()});
   Report report;
-  unit.process(here.view(), MonoTime(1s), 0, report);
-  unit.process(there.view(), MonoTime(2s), 1, report);
+  test::process_picture(unit, here.view(), MonoTime(1s), 0, report);
+  test::process_picture(unit, there.view(), MonoTime(2s), 1, report);
   EXPECT_TRUE(report.valid);
   EXPECT_LT(distance_m(report.camera_in_landmark, scene.camera.position_m), 0.05);
 }
@@ -155,10 +156,10 @@ TEST_P(LocaliserWithEachSolver, AFrameOfAnotherSizeIsNotValidAndSaysSo) {
   const test::Picture picture = test::render(scene_at(1.5), 1);
   Localiser unit(CameraModel{}, {.solver = GetParam()});
   Report report;
-  unit.process(picture.view(), MonoTime(1s), 0, report);
+  test::process_picture(unit, picture.view(), MonoTime(1s), 0, report);
   ImageView half = picture.view();
   half.height_px /= 2;
-  unit.process(half, MonoTime(2s), 1, report);
+  test::process_picture(unit, half, MonoTime(2s), 1, report);
   EXPECT_FALSE(report.valid);
   EXPECT_EQ(report.reason, Reason::kFrameSize);
 }
@@ -168,7 +169,7 @@ TEST_P(LocaliserWithEachSolver, PlacesTheCameraInTheWorldByTheMap) {
   const auto T_world_landmark = place_upright({10, 20, 1.2}, 0.5);
   Localiser unit(CameraModel{}, {.solver = GetParam(), .T_world_landmark = T_world_landmark});
   Report report;
-  unit.process(picture.view(), MonoTime(1s), 0, report);
+  test::process_picture(unit, picture.view(), MonoTime(1s), 0, report);
   ASSERT_TRUE(report.valid);
   const auto& p = report.camera_in_landmark.position_m;
   const Eigen::Vector3d in_world = T_world_landmark * Eigen::Vector3d(p[0], p[1], p[2]);

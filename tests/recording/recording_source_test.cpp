@@ -37,10 +37,10 @@ TEST(RecordingSource, GivesEveryFrameOfTheBundledApproachOnceAndInOrder) {
   for (std::uint64_t i = 0; i < 22; ++i) {
     const Result<FrameLease> frame = source.next(soon());
     ASSERT_TRUE(frame) << frame.error().text;
-    EXPECT_EQ(frame->frame_number, 3 * i);
+    EXPECT_EQ(frame->frame.number, 3 * i);
     EXPECT_EQ(frame->dropped_before, 0U);
-    EXPECT_NEAR(static_cast<double>(to_ns(frame->exposed_at)), static_cast<double>(3 * i) * 1e9 / 35, 1.0);
-    EXPECT_EQ(frame->luma.width_px, 640);
+    EXPECT_NEAR(static_cast<double>(to_ns(frame->frame.exposed_at())), static_cast<double>(3 * i) * 1e9 / 35, 1.0);
+    EXPECT_EQ(frame->frame.luma.width_px, 640);
   }
   const Result<FrameLease> end = source.next(soon());
   ASSERT_FALSE(end);
@@ -54,7 +54,7 @@ TEST(RecordingSource, WaitsForASlowReaderSoThatNoFrameIsLost) {
     if (i % 5 == 0) std::this_thread::sleep_for(10ms);
     const Result<FrameLease> frame = source.next(soon());
     ASSERT_TRUE(frame);
-    EXPECT_EQ(frame->luma.at(3, 2), i);
+    EXPECT_EQ(frame->frame.luma.at(3, 2), i);
   }
 }
 
@@ -69,11 +69,11 @@ TEST(RecordingSource, LetsTheNewestFrameWinInRealTimeAndCountsTheOthers) {
       EXPECT_EQ(frame.error().code, Errc::kEndOfStream);
       break;
     }
-    EXPECT_EQ(frame->luma.at(0, 0), frame->frame_number);
-    EXPECT_LE(frame->exposed_at, mono_now());
-    EXPECT_GT(frame->exposed_at, last_exposed_at);
-    last_exposed_at = frame->exposed_at;
-    last = frame->frame_number;
+    EXPECT_EQ(frame->frame.luma.at(0, 0), frame->frame.number);
+    EXPECT_LE(frame->frame.exposed_at(), mono_now());
+    EXPECT_GT(frame->frame.exposed_at(), last_exposed_at);
+    last_exposed_at = frame->frame.exposed_at();
+    last = frame->frame.number;
     ++taken;
     dropped += frame->dropped_before;
     std::this_thread::sleep_for(23ms);  // longer than four frames
@@ -91,8 +91,8 @@ TEST(RecordingSource, PacesFramesByTheirRecordedTimes) {
   const Result<FrameLease> second = source.next(soon());
   const Result<FrameLease> third = source.next(soon());
   ASSERT_TRUE(first && second && third);
-  EXPECT_EQ(second->exposed_at - first->exposed_at, 50ms);
-  EXPECT_EQ(third->exposed_at - second->exposed_at, 10ms);
+  EXPECT_EQ(second->frame.exposed_at() - first->frame.exposed_at(), 50ms);
+  EXPECT_EQ(third->frame.exposed_at() - second->frame.exposed_at(), 10ms);
 }
 
 TEST(RecordingSource, SaysSoWhenNoFrameComesBeforeTheDeadline) {
@@ -114,11 +114,11 @@ TEST_P(LoopedRecording, KeepsNumbersAndTimesGrowing) {
   for (std::uint64_t i = 0; i < 23; ++i) {
     const Result<FrameLease> frame = source.next(soon());
     ASSERT_TRUE(frame);
-    EXPECT_EQ(frame->frame_number, i);
-    EXPECT_EQ(frame->luma.at(1, 1), i % 5);
-    EXPECT_GT(frame->exposed_at, last);
-    EXPECT_NEAR(static_cast<double>(to_ns(frame->exposed_at)), static_cast<double>(i) * 1e9 / 35, 10.0);
-    last = frame->exposed_at;
+    EXPECT_EQ(frame->frame.number, i);
+    EXPECT_EQ(frame->frame.luma.at(1, 1), i % 5);
+    EXPECT_GT(frame->frame.exposed_at(), last);
+    EXPECT_NEAR(static_cast<double>(to_ns(frame->frame.exposed_at())), static_cast<double>(i) * 1e9 / 35, 10.0);
+    last = frame->frame.exposed_at();
   }
 }
 INSTANTIATE_TEST_SUITE_P(DecodedOnceAndDecodedEachTime, LoopedRecording,
@@ -130,8 +130,8 @@ TEST(RecordingSource, CarriesPanAndTiltOfFramesCsv) {
   RecordingSource source(recording.path(), {});
   const Result<FrameLease> frame = source.next(soon());
   ASSERT_TRUE(frame);
-  EXPECT_DOUBLE_EQ(frame->pan_rad, std::numbers::pi / 2);
-  EXPECT_DOUBLE_EQ(frame->tilt_rad, -std::numbers::pi / 4);
+  EXPECT_DOUBLE_EQ(frame->frame.head->pan_rad, std::numbers::pi / 2);
+  EXPECT_DOUBLE_EQ(frame->frame.head->tilt_rad, -std::numbers::pi / 4);
 }
 
 TEST(RecordingSource, GivesAnErrorInThePlaceOfAMissingPicture) {
@@ -145,7 +145,7 @@ TEST(RecordingSource, GivesAnErrorInThePlaceOfAMissingPicture) {
   EXPECT_EQ(std::string(source.last_failure()), recording.picture(1) + ": frame 1: the picture is missing");
   const Result<FrameLease> next = source.next(soon());
   ASSERT_TRUE(next);
-  EXPECT_EQ(next->frame_number, 2U);
+  EXPECT_EQ(next->frame.number, 2U);
 }
 
 TEST(RecordingSource, GivesAnErrorInThePlaceOfATruncatedPicture) {
@@ -196,11 +196,11 @@ TEST(RecordingSource, SurvivesACallerThatHoldsEveryBuffer) {
     held.push_back(std::move(*frame));
   }
   EXPECT_EQ(source.next(mono_now() + 30ms).error().code, Errc::kNoFrame);
-  const std::uint64_t last = held.back().frame_number;
+  const std::uint64_t last = held.back().frame.number;
   held.clear();
   const Result<FrameLease> later = source.next(soon());
   ASSERT_TRUE(later);
-  EXPECT_EQ(later->dropped_before, later->frame_number - last - 1);
+  EXPECT_EQ(later->dropped_before, later->frame.number - last - 1);
 }
 
 TEST(RecordingSource, CanBeDestroyedWhileItsThreadWaits) {

@@ -32,11 +32,11 @@ ssize_t write_to_small_disk(int descriptor, const void* bytes, std::size_t count
 }
 
 FrameLease frame_of(const std::vector<std::uint8_t>& pixels, int number, std::uint32_t dropped_before = 0) {
-  FrameLease frame;
-  frame.luma = ImageView{pixels.data(), 8, 4, 8};
-  frame.exposed_at = MonoTime(number * 10ms + 5ns);
-  frame.dropped_before = dropped_before;
-  return frame;
+  FrameLease lease;
+  lease.frame.luma = ImageView{pixels.data(), 8, 4, 8};
+  lease.frame.set_exposure(MonoTime(number * 10ms + 5ns));
+  lease.dropped_before = dropped_before;
+  return lease;
 }
 
 std::set<std::string> files_below(const std::string& folder) {
@@ -55,7 +55,7 @@ TEST(RecordingWriter, WritesARecordingThatReadsBack) {
     for (int i = 0; i < 3; ++i) {
       pixels[9] = static_cast<std::uint8_t>(10 * i);
       FrameLease frame = frame_of(pixels, i, i == 2 ? 4 : 0);
-      frame.pan_rad = 0.25;
+      frame.frame.head = HeadAngles{0.25, 0};
       EXPECT_EQ(*writer.add(frame), i == 2 ? 6U : static_cast<unsigned>(i));
     }
   }
@@ -65,9 +65,9 @@ TEST(RecordingWriter, WritesARecordingThatReadsBack) {
   for (int i = 0; i < 3; ++i) {
     const Result<FrameLease> frame = source.next(mono_now() + 5s);
     ASSERT_TRUE(frame);
-    EXPECT_EQ(frame->luma.at(1, 1), 10 * i);
-    EXPECT_EQ(frame->exposed_at, MonoTime(i * 10ms + 5ns));
-    EXPECT_DOUBLE_EQ(frame->pan_rad, 0.25);
+    EXPECT_EQ(frame->frame.luma.at(1, 1), 10 * i);
+    EXPECT_EQ(frame->frame.exposed_at(), MonoTime(i * 10ms + 5ns));
+    EXPECT_DOUBLE_EQ(frame->frame.head->pan_rad, 0.25);
   }
 }
 

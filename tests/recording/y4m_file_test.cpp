@@ -55,8 +55,8 @@ TEST(Y4mRecording, GivesItsFramesAtItsRate) {
   for (int i = 0; i < 3; ++i) {
     const Result<FrameLease> frame = source.next(mono_now() + 5s);
     ASSERT_TRUE(frame);
-    EXPECT_EQ(frame->luma.at(1, 0), "bdf"[i]);
-    EXPECT_EQ(frame->exposed_at, MonoTime(i * 100ms));
+    EXPECT_EQ(frame->frame.luma.at(1, 0), "bdf"[i]);
+    EXPECT_EQ(frame->frame.exposed_at(), MonoTime(i * 100ms));
   }
   EXPECT_EQ(source.next(mono_now() + 5s).error().code, Errc::kEndOfStream);
 }
