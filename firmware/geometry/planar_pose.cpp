@@ -10,6 +10,8 @@
 #include <limits>
 #include <utility>
 
+#include "geometry/levenberg_marquardt.h"
+
 namespace ninedot {
 namespace {
 
@@ -21,7 +23,6 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 /// points leave a family of homographies open. Four corners of a square seen at 85 deg give 1e-4; three points on a
 /// line 1e-16.
 constexpr double kMinSecondEigenvalue = 1e-8;
-constexpr int kMaxRefinements = 30;
 
 /// x' = scale (x - middle): zero mean, mean squared distance 2.
 struct Normalisation {
@@ -94,31 +95,48 @@ Eigen::Vector3d translation_for(std::span<const PlanePoint> points, const Eigen:
   return N.ldlt().solve(g);
 }
 
-/// The weighted sum of squared residuals; infinite where a point is not in front of the camera.
-/// Parameters of N and g: rotation vector on the left of the rotation, then translation.
-double accumulate(std::span<const PlanePoint> points, const CameraFromLandmark& T, Matrix6* N, Vector6* g) noexcept {
-  double cost = 0;
-  if (N != nullptr) N->setZero(), g->setZero();
-  for (const PlanePoint& p : points) {
-    const Eigen::Vector3d turned = T.rotation * Eigen::Vector3d(p.plane_m.x(), 0, p.plane_m.y());
-    const Eigen::Vector3d q = turned + T.translation_m;
-    if (!(q.z() > 0)) return std::numeric_limits<double>::infinity();
-    const Eigen::Vector2d predicted = q.hnormalized();
-    const Eigen::Vector2d residual = predicted - p.seen;
-    cost += p.weight * residual.squaredNorm();
-    if (N == nullptr) continue;
-    Eigen::Matrix<double, 2, 3> projection;
-    projection << 1, 0, -predicted.x(), 0, 1, -predicted.y();
-    projection /= q.z();
-    Eigen::Matrix3d minus_cross;  // d(R p)/d(rotation) = -[R p]x
-    minus_cross << 0, turned.z(), -turned.y(), -turned.z(), 0, turned.x(), turned.y(), -turned.x(), 0;
-    Eigen::Matrix<double, 2, 6> J;
-    J << projection * minus_cross, projection;
-    *N += p.weight * J.transpose() * J;
-    *g += p.weight * J.transpose() * residual;
+/// Reprojection. Unknowns: rotation vector on the left of the rotation, then translation.
+struct Reprojection {
+  using State = CameraFromLandmark;
+  static constexpr int kUnknowns = 6;
+  std::span<const PlanePoint> points;
+
+  double linearise(const State& T, Matrix6& N, Vector6& g) const noexcept { return accumulate(T, &N, &g); }
+  double cost(const State& T) const noexcept { return accumulate(T, nullptr, nullptr); }
+  static State moved(const State& T, const Vector6& step) noexcept {
+    return {exp_so3(step.head<3>()) * T.rotation, T.translation_m + step.tail<3>()};
   }
-  return cost;
-}
+  /// Below the tenth digit nothing is known: rays are seen to 1e-6 at best.
+  static bool is_negligible(const State& T, const Vector6& step) noexcept {
+    return step.head<3>().norm() < 1e-10 && step.tail<3>().norm() < 1e-10 * T.translation_m.norm();
+  }
+
+ private:
+  /// The weighted sum of squared residuals; infinite where a point is not in front of the camera.
+  double accumulate(const State& T, Matrix6* N, Vector6* g) const noexcept {
+    double cost = 0;
+    if (N != nullptr) N->setZero(), g->setZero();
+    for (const PlanePoint& p : points) {
+      const Eigen::Vector3d turned = T.rotation * Eigen::Vector3d(p.plane_m.x(), 0, p.plane_m.y());
+      const Eigen::Vector3d q = turned + T.translation_m;
+      if (!(q.z() > 0)) return std::numeric_limits<double>::infinity();
+      const Eigen::Vector2d predicted = q.hnormalized();
+      const Eigen::Vector2d residual = predicted - p.seen;
+      cost += p.weight * residual.squaredNorm();
+      if (N == nullptr) continue;
+      Eigen::Matrix<double, 2, 3> projection;
+      projection << 1, 0, -predicted.x(), 0, 1, -predicted.y();
+      projection /= q.z();
+      Eigen::Matrix3d minus_cross;  // d(R p)/d(rotation) = -[R p]x
+      minus_cross << 0, turned.z(), -turned.y(), -turned.z(), 0, turned.x(), turned.y(), -turned.x(), 0;
+      Eigen::Matrix<double, 2, 6> J;
+      J << projection * minus_cross, projection;
+      *N += p.weight * J.transpose() * J;
+      *g += p.weight * J.transpose() * residual;
+    }
+    return cost;
+  }
+};
 
 bool on_printed_side(const CameraFromLandmark& T) noexcept { return T.inverse().translation_m.y() > 0; }
 
@@ -155,33 +173,12 @@ Result<Eigen::Matrix3d> fit_homography(std::span<const PlanePoint> points) noexc
 }
 
 PlanarPose refine_planar_pose(std::span<const PlanePoint> points, const CameraFromLandmark& start) noexcept {
-  PlanarPose best{start, 0};
-  Matrix6 N;
-  Vector6 g;
-  double cost = accumulate(points, start, &N, &g);
-  double damping = 1e-9;
-  for (int i = 0; i < kMaxRefinements && std::isfinite(cost); ++i) {
-    Matrix6 damped = N;
-    damped.diagonal() *= 1 + damping;
-    const Vector6 step = damped.ldlt().solve(-g);
-    if (!step.allFinite()) break;
-    const CameraFromLandmark next{exp_so3(step.head<3>()) * best.T_camera_landmark.rotation,
-                                  best.T_camera_landmark.translation_m + step.tail<3>()};
-    const double next_cost = accumulate(points, next, nullptr, nullptr);
-    const bool settled = step.head<3>().norm() < 1e-10 && step.tail<3>().norm() < 1e-10 * next.translation_m.norm();
-    if (next_cost <= cost) {
-      best.T_camera_landmark = next;
-      if (settled) break;
-      cost = accumulate(points, next, &N, &g);
-      damping *= 0.1;
-    } else {
-      if (settled) break;
-      damping = std::fmax(damping * 30, 1e-6);
-    }
-  }
+  PlanarPose best{start, 0, {}};
+  const Reprojection problem{points};
+  best.statistics = levenberg_marquardt(problem, best.T_camera_landmark);
   double weights = 0;
   for (const PlanePoint& p : points) weights += p.weight;
-  best.rms = std::sqrt(accumulate(points, best.T_camera_landmark, nullptr, nullptr) / weights);
+  best.rms = std::sqrt(problem.cost(best.T_camera_landmark) / weights);
   return best;
 }
 

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "base/result.h"
+#include "geometry/optimiser_statistics.h"
 #include "geometry/plane_point.h"
 #include "geometry/transform.h"
 
@@ -17,6 +18,7 @@ namespace ninedot {
 struct PlanarPose {
   CameraFromLandmark T_camera_landmark;
   double rms = 0;  ///< weighted root mean square distance between seen and predicted points, at z = 1
+  OptimiserStatistics statistics;
 };
 
 /// Both local minima of the reprojection error, smaller rms first. Where the picture has a single minimum (strong

@@ -199,7 +199,8 @@ Result<PoseEstimate> FullSolver::solve(const ImageView& luma, const LandmarkObse
       seen.seen_count > static_cast<int>(kMinCentroids) ? kWarpShare * starts[0].rms * w.camera.fx_px : 0;
   OutlineRefiner* best = &w.refiners[0];
   OutlineRefiner* other = &w.refiners[1];
-  bool ok = best->refine(luma, start, close ? OutlineRefiner::Start::kClose : OutlineRefiner::Start::kRough, warp_px);
+  bool ok = best->refine(luma, start, close ? OutlineRefiner::Start::kClose : OutlineRefiner::Start::kRough, warp_px)
+                .has_converged();
   double ambiguity = apart_rad < kSamePose_rad ? 0 : std::exp(-0.5 * std::max(coarse, 0.0));
   if (undecided) {
     OutlineState glance = ok ? best->state() : start;
@@ -207,8 +208,8 @@ Result<PoseEstimate> FullSolver::solve(const ImageView& luma, const LandmarkObse
     const double worse_by = ok ? best->chi2_above(glance) : 0;
     if (worse_by > (settled ? kSettledDifference : kDecisive)) {
       ambiguity = std::exp(-0.5 * worse_by);
-    } else if (other->refine(luma, glance, ok ? OutlineRefiner::Start::kClose : OutlineRefiner::Start::kRough,
-                             warp_px)) {
+    } else if (other->refine(luma, glance, ok ? OutlineRefiner::Start::kClose : OutlineRefiner::Start::kRough, warp_px)
+                   .has_converged()) {
       if (!ok) {
         ambiguity = 0;
         std::swap(best, other);
@@ -244,7 +245,8 @@ Result<PoseEstimate> FullSolver::follow(const ImageView& luma, const CameraFromL
   start.T_camera_landmark = expected;
   const auto lost = fail(Errc::kNoLandmark, "the landmark is not where it was expected");
   // Where shadows cut the dots, their centroids know better than the frame before how far to trust the outlines.
-  if (!w.last_light_smooth || !refiner.refine(luma, start, OutlineRefiner::Start::kExpected, w.last_warp_px) ||
+  if (!w.last_light_smooth ||
+      !refiner.refine(luma, start, OutlineRefiner::Start::kExpected, w.last_warp_px).has_converged() ||
       !refiner.is_light_smooth())
     return lost;
   // A mirror image that is out of the question does not come back within four frames.

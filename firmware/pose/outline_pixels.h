@@ -9,6 +9,7 @@
 #include "geometry/landmark.h"
 #include "geometry/transform.h"
 #include "image/image_view.h"
+#include "pose/ray_table.h"
 
 namespace ninedot {
 
@@ -41,19 +42,6 @@ struct OutlinePixels {
   };
   std::vector<Candidate> candidates;
   int visible_outlines = 0;  ///< dots of which at least a part lies inside the picture
-};
-
-/// Normalised rays of all pixels. Distorted lenses get a table: the inverse is too dear for every pixel of every frame.
-/// Memory: the constructor's; none without distortion. Threads: const is safe.
-class RayTable {
- public:
-  explicit RayTable(const CameraModel& camera);
-  /// \return false where the lens has no inverse
-  bool ray(int x, int y, float& ray_x, float& ray_y) const noexcept;
-
- private:
-  CameraModel camera_;
-  std::vector<float> rays_;  // x, y of each pixel; NaN where the model has no inverse
 };
 
 /// Collects the pixels within `band_px` of every dot's outline as the pose predicts it.

@@ -1,19 +1,19 @@
 #pragma once
-/// Gauss-Newton on the grey levels along all outlines, from one start.
+/// The pose that fits the grey levels along all outlines best, from one start.
 #include <array>
 #include <cstdint>
 
+#include "geometry/gauss_newton.h"
 #include "image/image_view.h"
-#include "pose/outline_model.h"
+#include "pose/outline_pixels.h"
+#include "pose/outline_sums.h"
+#include "pose/outline_weights.h"
 
 namespace ninedot {
 
 /// One planar solution: the pixels along its outlines, what each group of them says, and the state that fits them.
-///
-/// Groups whose outline is not where the others say, or that show no outline at all (hidden, cut by a shadow), lose
-/// their weight (iteratively reweighted least squares; Geman & McClure's weight). The last step's normal matrix is the
-/// information matrix.
-/// Memory: the constructor's. Threads: one caller.
+/// Keeps nothing from one `refine` to the next. The last step's normal matrix is the information matrix.
+/// Memory: the constructor's, about 0.6 MB. Threads: one caller.
 class OutlineRefiner {
  public:
   /// \param rays  must outlive the refiner
@@ -27,46 +27,64 @@ class OutlineRefiner {
   };
 
   /// \param warp_px  how far the dots may lie from where one flat sheet shows them, before any is an outlier
-  /// \return  false when the visible outlines determine nothing; then the rest means nothing
-  bool refine(const ImageView& luma, const OutlineState& start, Start quality, double warp_px) noexcept;
+  /// \return  how it went; unless it has converged the rest means nothing
+  const OptimiserStatistics& refine(const ImageView& luma, const OutlineState& start, Start quality,
+                                    double warp_px) noexcept;
 
-  /// How much worse `other` explains the pixels that this state was fitted to, in units of the noise.
+  /// How much worse `other` explains the pixels that this state was fitted to: difference of chi^2.
   double chi2_above(const OutlineState& other) const noexcept;
 
-  /// Of a dot's groups, the share whose outline is where it belongs, though its light may be spoiled.
+  /// Of a dot's groups, the share whose outline is where it belongs, though its light may be spoiled. 0..1
   std::array<double, kDotCount> visible_share() const noexcept;
 
   /// Every dot was taken whole, or is large: no shadow's edge crosses the landmark.
   bool is_light_smooth() const noexcept;
 
   const OutlineState& state() const noexcept { return state_; }
+  const OptimiserStatistics& statistics() const noexcept { return statistics_; }
   /// Inverse covariance of the unknowns, all nuisances of the groups eliminated.
   const UnknownMatrix& information() const noexcept { return information_; }
   /// Root mean square of the groups' shifts against the state.
-  double rms_px() const noexcept { return rms_px_; }
+  double rms_px() const noexcept { return weights_.rms_px; }
+
+  // What gauss_newton asks of a problem.
+  using Step = UnknownVector;
+  bool linearise(int stage) noexcept;
+  StepVerdict solve(int stage, Step& step) noexcept;
+  StepVerdict take(int stage, const Step& step) noexcept;
 
  private:
-  void collect(const ImageView& luma, double band_px, int thinning) noexcept;
-  void weigh_groups(double shift_floor_px) noexcept;
-  double model_variance_px2(double contrast_lsb) const noexcept;
-  bool split_shadowed_dots() noexcept;
-  bool solve_step(double nuisance_sigma, UnknownVector& step) noexcept;
+  /// Where the pixels at hand were collected, and what has happened since.
+  struct Look {
+    double band_px = 0, moved_px = 0;
+    bool thinned = false, split_since = false;
+  };
+  bool look_again_if_stale(int stage) noexcept;
+  bool solve_equations(double nuisance_sigma, Step& step) noexcept;
+  bool is_first_of_expectation(int stage) const noexcept;
   /// Of a step's part that moves the pose: in units of the noise, and as a move of the outlines.
-  double step_chi2(const UnknownVector& step) const noexcept;
-  double step_px(const UnknownVector& step) const noexcept;
+  double step_chi2(const Step& step) const noexcept;
+  double step_px(const Step& step) const noexcept;
 
   CameraModel camera_;
   LandmarkGeometry landmark_;
   const RayTable& rays_;
+
+  // Of the refinement under way.
+  ImageView luma_;
+  Start quality_ = Start::kRough;
+  double warp_px_ = 0;
+  Look look_;
+  double last_step_px_ = 0;
+  bool expectation_is_close_ = false;  // its first step was short: it may be the last
+
   OutlinePixels pixels_;
-  std::array<GroupFit, kMaxGroups> fits_;
-  std::array<double, kMaxGroups> weight_{};       // in the normal equations
-  std::array<bool, kMaxGroups> outline_there_{};  // an outline where it belongs, though its light may be spoiled
+  GroupFits fits_;
+  OutlineWeights weights_;
   std::array<bool, kDotCount> split_{};  // dots whose light is not smooth: cut into sectors although they are small
   OutlineState state_;
+  OptimiserStatistics statistics_;
   UnknownMatrix information_ = UnknownMatrix::Zero();
-  double noise_variance_ = 1;  // LSB^2
-  double rms_px_ = 0;
 };
 
 }  // namespace ninedot

@@ -149,7 +149,7 @@ TEST_F(PlanarPoseLaws, FrontalViewsAreSolvedWithoutLossOfPosition) {
 TEST_F(PlanarPoseLaws, ZeroWeightRemovesAPoint) {
   const CameraFromLandmark truth = look(1, 35 * kRad, 0.4, 0.2);
   auto points = observe(truth, 0, random_);
-  points[3].normalised += Eigen::Vector2d(0.1, -0.2);
+  points[3].seen += Eigen::Vector2d(0.1, -0.2);
   points[3].weight = 0;
   const auto poses = solve_planar_pose(points);
   ASSERT_TRUE(poses.has_value());

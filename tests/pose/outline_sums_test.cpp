@@ -1,4 +1,4 @@
-#include "pose/outline_model.h"
+#include "pose/outline_sums.h"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ double squares(const OutlinePixels& pixels, const OutlineState& state) {
   return sum;
 }
 
-TEST(OutlineModel, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
+TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
   test::Scene scene;
   scene.camera = test::look_at_landmark({.distance_m = 1.0, .tilt_rad = 0.5, .azimuth_rad = 0.7});
   set_noise(scene.sensor, 1.0);
@@ -70,7 +70,7 @@ TEST(OutlineModel, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
   }
 }
 
-TEST(OutlineModel, BlurStaysPossible) {
+TEST(OutlineState, BlurStaysPossible) {
   OutlineState state;
   UnknownVector step = UnknownVector::Zero();
   step(7) = -10, step(8) = 5, step(9) = -5;

@@ -1,0 +1,31 @@
+#include "pose/outline_state.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ninedot {
+namespace {
+
+// A pixel alone, a square of side 1, has the variance 1/12 = 0.083; no lens is sharper than half of that again.
+constexpr double kMinBlur_px2 = 0.12;
+// 5 px: wider than the reach of the outermost pixels that are looked at (8 px at 3.1 sigma, outline_refiner.cpp).
+constexpr double kMaxBlur_px2 = 25;
+// What is left of the smallest blur across its narrow direction.
+constexpr double kNarrowShare = 0.8;
+
+}  // namespace
+
+void OutlineState::apply(const UnknownVector& step) noexcept {
+  const Eigen::Vector3d rotation_rad = step.head<3>() / kLever_m;
+  T_camera_landmark.rotation = exp_so3(rotation_rad) * T_camera_landmark.rotation;
+  T_camera_landmark.translation_m += step.segment<3>(3);
+  offset_px += step(6);
+  blur_px2 = std::clamp(blur_px2 + step(7), kMinBlur_px2, kMaxBlur_px2);
+  blur_cos_px2 += step(8);
+  blur_sin_px2 += step(9);
+  const double harmonic = std::hypot(blur_cos_px2, blur_sin_px2);
+  const double most = blur_px2 - kNarrowShare * kMinBlur_px2;
+  if (harmonic > most) blur_cos_px2 *= most / harmonic, blur_sin_px2 *= most / harmonic;
+}
+
+}  // namespace ninedot

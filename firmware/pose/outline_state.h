@@ -1,0 +1,29 @@
+#pragma once
+/// What is unknown about the picture of one landmark's outlines.
+#include <Eigen/Core>
+
+#include "geometry/transform.h"
+
+namespace ninedot {
+
+/// Order of the unknowns: rotation (3, about the landmark's origin, in units of kLever_m), translation (3, camera
+/// frame), outline offset, blur (3).
+inline constexpr int kUnknowns = 10, kPoseUnknowns = 6;
+using UnknownMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+using UnknownVector = Eigen::Matrix<double, kUnknowns, 1>;
+/// Makes a unit of rotation move the ring as far as a unit of translation: the default ring's radius. Scaling alone:
+/// the equations are solved exactly whatever it is.
+inline constexpr double kLever_m = 0.08;
+
+struct OutlineState {
+  CameraFromLandmark T_camera_landmark;
+  double offset_px = 0;   ///< outlines are this much further out than the pose says
+  double blur_px2 = 0.7;  ///< variance of the point spread, mean over directions
+  /// Its second harmonic [px^2]: half of the variance along x minus along y; and the same of the diagonals.
+  double blur_cos_px2 = 0, blur_sin_px2 = 0;
+
+  /// Moves the state by a step; keeps the blur possible.
+  void apply(const UnknownVector& step) noexcept;
+};
+
+}  // namespace ninedot

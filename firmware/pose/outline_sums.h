@@ -1,0 +1,28 @@
+#pragma once
+/// What one group of pixels says of the unknowns, once its own light is fitted as well as it can be.
+///
+/// Paper, ink, what lies beyond the paper and the slopes are linear and belong to one group: they are eliminated group
+/// by group (Golub & Pereyra, "The differentiation of pseudo-inverses and nonlinear least squares problems whose
+/// variables separate", SIAM J. Numer. Anal. 10, 1973).
+#include "pose/outline_columns.h"
+
+namespace ninedot {
+
+/// What one group says.
+struct GroupFit {
+  bool usable = false;
+  double squared_residuals = 0;  ///< [LSB^2]
+  double shift_px = 0;           ///< by how much its outline lies further out than the state says
+  double shift_information = 0;  ///< inverse variance of shift_px, times the noise's variance [LSB^2 / px^2]
+  double contrast_lsb = 0, paper_lsb = 0;
+  int degrees_of_freedom = 0;
+  UnknownMatrix normal;    ///< J^T J with the group's own unknowns eliminated [LSB^2 per square of the unknowns' units]
+  UnknownVector gradient;  ///< J^T r, the same
+};
+
+/// Evaluates one group at a state. \param with_normal  false: residuals, contrast and paper only
+/// Memory: none. Threads: pure.
+void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const LandmarkGeometry& landmark,
+               const OutlineState& state, bool with_normal, GroupFit& fit) noexcept;
+
+}  // namespace ninedot

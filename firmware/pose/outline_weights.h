@@ -1,0 +1,35 @@
+#pragma once
+/// How far each group of pixels is to be believed.
+///
+/// Groups whose outline is not where the others say, or that show no outline at all (hidden, cut by a shadow), lose
+/// their weight (iteratively reweighted least squares; Geman & McClure, "Statistical methods for tomographic image
+/// reconstruction", Bull. ISI 52, 1987).
+#include <array>
+#include <span>
+
+#include "pose/outline_sums.h"
+
+namespace ninedot {
+
+using GroupFits = std::array<GroupFit, kMaxGroups>;
+
+struct OutlineWeights {
+  std::array<double, kMaxGroups> weight{};       ///< of each group in the normal equations, 0..1
+  std::array<bool, kMaxGroups> outline_there{};  ///< an outline where it belongs, though its light may be spoiled
+  double noise_variance_lsb2 = 1;
+  double rms_px = 0;  ///< root mean square of the groups' shifts against the state
+};
+
+/// Weights of all groups from their contrast, their residuals and their shift against what the state says.
+/// \param shift_floor_px  what the state may still be off by: while it is, every group is shifted, and none an outlier
+/// Memory: none. Threads: pure.
+void weigh_groups(std::span<const OutlineGroup> groups, const GroupFits& fits, double shift_floor_px,
+                  OutlineWeights& weights) noexcept;
+
+/// A dot that a shadow's edge crosses does not fit one paper and one ink. Its sectors do, but for those on the edge.
+/// \param split  of each dot: whether it is to be taken in sectors; set for those that are shadowed
+/// \return  whether there is a new one
+bool split_shadowed_dots(std::span<const OutlineGroup> groups, const GroupFits& fits, double noise_variance_lsb2,
+                         std::array<bool, kDotCount>& split) noexcept;
+
+}  // namespace ninedot

@@ -1,0 +1,34 @@
+#include "pose/ray_table.h"
+
+#include <cmath>
+#include <limits>
+
+namespace ninedot {
+
+RayTable::RayTable(const CameraModel& camera) : camera_(camera) {
+  if (!camera.has_distortion()) return;
+  rays_.resize(2 * static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px));
+  float* to = rays_.data();
+  for (int y = 0; y < camera.height_px; ++y) {
+    for (int x = 0; x < camera.width_px; ++x) {
+      const auto ray = camera.normalised_from_pixel({x, y});
+      *to++ = ray ? static_cast<float>(ray->x()) : std::numeric_limits<float>::quiet_NaN();
+      *to++ = ray ? static_cast<float>(ray->y()) : std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+}
+
+bool RayTable::ray(int x, int y, float& ray_x, float& ray_y) const noexcept {
+  if (rays_.empty()) {
+    ray_x = static_cast<float>((x - camera_.cx_px) / camera_.fx_px);
+    ray_y = static_cast<float>((y - camera_.cy_px) / camera_.fy_px);
+    return true;
+  }
+  const std::size_t at =
+      2 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width_px) + static_cast<std::size_t>(x));
+  ray_x = rays_[at];
+  ray_y = rays_[at + 1];
+  return !std::isnan(ray_x);
+}
+
+}  // namespace ninedot
