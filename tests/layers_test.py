@@ -22,13 +22,15 @@ ALLOWED = {
     "firmware/detect": GEOMETRY_AND_IMAGE,
     # The detector hands its observation, plain numbers, to the solvers; the detector itself stays unknown to them.
     "firmware/pose": GEOMETRY_AND_IMAGE + ["firmware/detect/observation.h"],
+    # What lasts from frame to frame: of what the detector saw and of what the solvers answer.
+    "firmware/track": ["firmware/pose", "firmware/detect/observation.h"] + GEOMETRY_AND_IMAGE,
     "firmware/ports": ["firmware/image"] + BASE,
     "firmware/aim": ["firmware/ports"] + GEOMETRY_AND_IMAGE,
     "firmware/world": ["firmware/geometry"] + BASE,
     "firmware/calibrate": GEOMETRY_AND_IMAGE + ["firmware/detect", "firmware/pose"],
     "firmware/config": ["firmware/aim", "firmware/world", "firmware/ports"] + GEOMETRY_AND_IMAGE,
     "firmware/drawing": ["firmware/world", "firmware/detect/observation.h", "proto/report.h"] + GEOMETRY_AND_IMAGE,
-    "firmware/pipeline": ["firmware/ports", "firmware/aim", "firmware/pose", "firmware/detect", "firmware/world",
+    "firmware/pipeline": ["firmware/ports", "firmware/aim", "firmware/track", "firmware/pose", "firmware/detect", "firmware/world",
                           "proto/report.h"] + GEOMETRY_AND_IMAGE,
     "drivers/posix": ["firmware/ports", "firmware/image"] + BASE,
     "drivers/picture": ["firmware/image", "drivers/posix"] + BASE,

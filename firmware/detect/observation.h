@@ -28,4 +28,7 @@ struct LandmarkObservation {
   bool from_pose = false;  ///< computed from a pose that was found without looking for dots
 };
 
+/// More in one picture than these are not looked at.
+inline constexpr std::size_t kMaxLandmarksInView = 16;
+
 }  // namespace ninedot

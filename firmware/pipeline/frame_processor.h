@@ -4,26 +4,41 @@
 #include <chrono>
 #include <cstdint>
 
+#include "base/inline_vector.h"
+#include "detect/observation.h"
 #include "image/frame.h"
 #include "pose/estimate.h"
 #include "proto/report.h"
 
 namespace ninedot {
 
-/// What one frame says of where the camera is. Says nothing of the frames before it.
-struct Fix {
-  Reason reason = Reason::kNoLandmark;  ///< kNone: all below is valid; else only `found`, `tracked`, `process_time`
-  bool found = false;                   ///< the frame shows a landmark
-  bool tracked = false;                 ///< it was where it was expected
-  bool calibrated = false;              ///< the camera's calibration was loaded
-  Solver solver = Solver::kFull;
-  std::uint16_t landmark_id = 0;
-  PoseEstimate pose;                                      ///< of the camera in the frame of that landmark
+/// What one frame says of one landmark.
+struct LandmarkFix {
+  std::uint16_t id = 0;
+  PoseCandidates candidates;                              ///< every reading, with its odds
+  std::size_t chosen = 0;                                 ///< the one that is believed
   Transform<frame::World, frame::Camera> T_world_camera;  ///< by the map
   std::array<double, 6> sigma_world{};                    ///< 1-sigma: x y z [m], about the world's x y z [rad]
   bool ambiguous = false;                                 ///< above the configured limit
   std::uint16_t quality = 0;                              ///< 0..1000, see pose_quality
+
+  /// Of the camera in the frame of this landmark.
+  const PoseEstimate& pose() const noexcept { return candidates.list[chosen].pose; }
+};
+
+/// What one frame says of where the camera is. Says nothing of the frames before it.
+struct Fix {
+  Reason reason = Reason::kNoLandmark;  ///< kNone: there is a landmark with a pose
+  bool found = false;                   ///< the frame shows a landmark
+  bool tracked = false;                 ///< it was where it was expected
+  bool calibrated = false;              ///< the camera's calibration was loaded
+  Solver solver = Solver::kFull;
+  /// The landmarks that gave a pose, the one that counts first; at most one as yet.
+  InlineVector<LandmarkFix, kMaxLandmarksInView> landmarks;
   std::chrono::nanoseconds process_time{};
+
+  /// \pre reason == kNone (contract)
+  const LandmarkFix& main() const noexcept { return landmarks[0]; }
 };
 
 class FrameProcessor {

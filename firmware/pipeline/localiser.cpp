@@ -1,28 +1,14 @@
-// The landmark is looked for where it was in the frame before, then everywhere. The chosen solver turns it into a pose,
-// and a pose that is not finite or claims no uncertainty at all counts as none.
+// The landmark is looked for along its outlines where the track foretells them, then where it was in the frame before,
+// then everywhere. The chosen solver turns it into candidates, and the track chooses among them.
 #include "pipeline/localiser.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "pipeline/report_reason.h"
+#include "pose/observation_of_pose.h"
 
 namespace ninedot {
-namespace {
-
-// A landmark whose motion is foretold no better than this is found sooner by the detector than by its outlines.
-constexpr double kLittleSurprise_px = 0.5;
-
-}  // namespace
-
-bool is_publishable(const PoseEstimate& pose) noexcept {
-  const EllipseParameters& e = pose.ellipse;
-  const double sum = e.swing_psi_rad + e.tilt_phi_rad + e.pan_theta_rad + e.distance_m + e.image_distance_m +
-                     e.deviation_rad + pose.ambiguity + pose.rms_px;
-  return std::isfinite(sum) && pose.T_landmark_camera.rotation.allFinite() &&
-         pose.T_landmark_camera.translation_m.allFinite() && pose.covariance.allFinite() &&
-         (pose.covariance.diagonal().array() > 0).all();
-}
 
 std::uint16_t pose_quality(const PoseEstimate& pose) noexcept {
   constexpr double kHalfPrecision = 0.005;  // 0.5 % of the distance: what an integrator would still drive on
@@ -53,83 +39,77 @@ std::array<double, 6> world_sigmas(const PoseEstimate& pose,
 
 Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
     : options_(options),
-      focal_px_(camera.fx_px),
+      camera_(camera),
       detector_(camera, options.landmark, options.detector),
       full_(camera, options.landmark),
-      ellipse_(camera, options.landmark, options.ellipse) {}
+      ellipse_(camera, options.landmark, options.ellipse),
+      track_(camera.fx_px) {}
 
-Result<PoseEstimate> Localiser::solve(const ImageView& luma, const PoseEstimate* previous) noexcept {
-  Result<PoseEstimate> pose =
-      options_.solver == Solver::kFull ? full_.solve(luma, seen_, previous) : ellipse_.solve(seen_);
-  if (pose && !is_publishable(*pose)) return fail(Errc::kPoseDegenerate, "the pose or its covariance is not finite");
-  return pose;
+Result<std::size_t> Localiser::follow_outlines(const Frame& frame) noexcept {
+  const auto untrackable = fail(Errc::kNoLandmark, "its outlines can't be foretold well enough");
+  if (options_.solver != Solver::kFull || !track_.may_follow_outlines()) return untrackable;
+  const bool look_at_mirror = track_.must_look_at_mirror();
+  NINEDOT_TRY(candidates_,
+              full_.follow(frame.luma, track_.expected_at(frame.exposed_at()), *track_.prior(), look_at_mirror));
+  const PoseCandidate& followed = candidates_.list[0];
+  if (!track_.accepts(followed)) return fail(Errc::kNoLandmark, "the landmark is not as it was");
+  track_.see(observation_of(followed.outlines.T_camera_landmark, followed.visible_share, camera_, options_.landmark));
+  return track_.take(candidates_, look_at_mirror, frame.exposed_at());
 }
 
-CameraFromLandmark Localiser::expected_at(MonoTime time) const noexcept {
-  auto T = pose_.T_landmark_camera.inverse();
-  if (!motion_) return T;
-  const double ahead_s = std::chrono::duration<double>(time - pose_at_).count();
-  T.rotation = exp_so3(ahead_s * motion_->rotation_rad) * T.rotation;
-  T.translation_m += ahead_s * motion_->translation_m;
-  return T;
+Result<std::size_t> Localiser::detect_near_track(const Frame& frame) noexcept {
+  NINEDOT_TRY(const LandmarkObservation seen, detector_.find_landmark_near(frame.luma, track_.sighting()));
+  track_.see(seen);
+  return solve(frame, track_.prior());
 }
 
-Result<PoseEstimate> Localiser::follow(const ImageView& luma, MonoTime exposed_at) noexcept {
-  if (!options_.tracking || !found_last_) return fail(Errc::kNoLandmark, "there is no track");
-  if (options_.solver == Solver::kFull && solved_last_ && surprise_px_ < kLittleSurprise_px)
-    if (const auto pose = full_.follow(luma, expected_at(exposed_at), pose_, seen_); pose && is_publishable(*pose))
-      return pose;
-  NINEDOT_TRY(seen_, detector_.find_landmark_near(luma, seen_));
-  return solve(luma, solved_last_ ? &pose_ : nullptr);
+Result<std::size_t> Localiser::search(const Frame& frame) noexcept {
+  track_.lose_pose(false);
+  NINEDOT_TRY(const LandmarkObservation seen, detector_.find_landmark(frame.luma));
+  track_.see(seen);
+  return solve(frame, nullptr);
 }
 
-Result<PoseEstimate> Localiser::search(const ImageView& luma) noexcept {
-  found_last_ = false;
-  NINEDOT_TRY(seen_, detector_.find_landmark(luma));
-  found_last_ = true;
-  return solve(luma, nullptr);
+Result<std::size_t> Localiser::solve(const Frame& frame, const PosePrior* prior) noexcept {
+  const LandmarkObservation& seen = track_.sighting();
+  NINEDOT_TRY(candidates_,
+              options_.solver == Solver::kFull ? full_.solve(frame.luma, seen, prior) : ellipse_.solve(seen));
+  return track_.take(candidates_, true, frame.exposed_at());
 }
 
-void Localiser::fill_pose(const PoseEstimate& pose) noexcept {
-  fix_.pose = pose;
-  fix_.T_world_camera = options_.T_world_landmark * pose.T_landmark_camera;
-  fix_.sigma_world = world_sigmas(pose, options_.T_world_landmark);
-  fix_.landmark_id = options_.landmark_id;
-  fix_.quality = pose_quality(pose);
-  fix_.ambiguous = pose.ambiguity > options_.max_ambiguity;
-}
-
-void Localiser::note_motion(const Result<PoseEstimate>& pose, MonoTime exposed_at) noexcept {
-  const double since_s = std::chrono::duration<double>(exposed_at - pose_at_).count();
-  if (!pose || !solved_last_ || !(since_s > 0)) {
-    motion_.reset();
-    surprise_px_ = 0;
-    return;
-  }
-  const auto before = pose_.T_landmark_camera.inverse(), now = pose->T_landmark_camera.inverse();
-  const auto direction = [](const Eigen::Vector3d& p_camera_m) -> Eigen::Vector2d { return p_camera_m.hnormalized(); };
-  surprise_px_ = focal_px_ * (direction(expected_at(exposed_at).translation_m) - direction(now.translation_m)).norm();
-  motion_ = Motion{log_so3(now.rotation * before.rotation.transpose()) / since_s,
-                   (now.translation_m - before.translation_m) / since_s};
+void Localiser::add_fix(std::size_t chosen) noexcept {
+  const MappedLandmark& landmark = options_.map.landmarks().front();
+  LandmarkFix fix;
+  fix.id = landmark.id;
+  fix.candidates = candidates_;
+  fix.chosen = chosen;
+  const PoseEstimate& pose = fix.pose();
+  fix.T_world_camera = landmark.T_world_landmark * pose.T_landmark_camera;
+  fix.sigma_world = world_sigmas(pose, landmark.T_world_landmark);
+  fix.quality = pose_quality(pose);
+  fix.ambiguous = pose.ambiguity > options_.max_ambiguity;
+  (void)fix_.landmarks.try_push_back(fix);  // the only one
 }
 
 const Fix& Localiser::process(const Frame& frame) noexcept {
-  const MonoTime begin = mono_now(), exposed_at = frame.exposed_at();
+  const MonoTime begin = mono_now();
+  fix_.landmarks.clear();
   fix_.calibrated = options_.calibrated;
   fix_.solver = options_.solver;
 
-  Result<PoseEstimate> pose = follow(frame.luma, exposed_at);
-  fix_.tracked = pose.has_value();
-  if (!fix_.tracked) pose = search(frame.luma);  // the landmark jumped, or what was near the track is not it
-  note_motion(pose, exposed_at);
-  solved_last_ = pose.has_value();
-  if (pose) {
-    pose_ = *pose;
-    pose_at_ = exposed_at;
-    fill_pose(pose_);
-  }
-  fix_.reason = pose ? Reason::kNone : reason_of(pose.error().code);
-  fix_.found = found_last_;
+  const bool has_track = options_.tracking && track_.has_sighting();
+  Result<std::size_t> chosen = fail(Errc::kNoLandmark, "there is no track");
+  if (has_track) chosen = follow_outlines(frame);
+  if (has_track && !chosen) chosen = detect_near_track(frame);
+  fix_.tracked = chosen.has_value();
+  if (!chosen) chosen = search(frame);  // the landmark jumped, or what was near the track is not it
+
+  if (chosen)
+    add_fix(*chosen);
+  else
+    track_.lose_pose(track_.has_sighting());
+  fix_.reason = chosen ? Reason::kNone : reason_of(chosen.error().code);
+  fix_.found = track_.has_sighting();
   fix_.process_time = mono_now() - begin;
   return fix_;
 }

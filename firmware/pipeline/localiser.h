@@ -1,12 +1,11 @@
 #pragma once
-/// One frame's path: picture -> dots -> landmark -> pose with its uncertainty -> report. The whole path is in
-/// `process`.
-#include <optional>
-
+/// One frame's path: picture -> dots -> landmark -> pose with its uncertainty -> fix. The whole path is in `process`.
 #include "detect/detector.h"
 #include "pipeline/frame_processor.h"
 #include "pose/ellipse_solver.h"
 #include "pose/full_solver.h"
+#include "track/track.h"
+#include "world/landmark_map.h"
 
 namespace ninedot {
 
@@ -17,8 +16,7 @@ struct LocaliserOptions {
   EllipseCalibration ellipse{};
   bool tracking = true;        ///< look where the landmark was before searching the whole picture
   double max_ambiguity = 0.7;  ///< above: Report::ambiguous
-  std::uint16_t landmark_id = 0;
-  Transform<frame::World, frame::Landmark> T_world_landmark{};
+  LandmarkMap map{};           ///< one landmark as yet: the first is the one that is seen
   bool calibrated = true;
 };
 
@@ -27,10 +25,6 @@ struct LocaliserOptions {
 ///   visible = dots_used / 9;
 ///   unique = 1 - ambiguity / 2: a half when the other planar solution fits as well.
 std::uint16_t pose_quality(const PoseEstimate& pose) noexcept;
-
-/// Whether a pose may be published: every number finite, every variance above zero. A covariance of zero would claim a
-/// certainty that no camera has.
-bool is_publishable(const PoseEstimate& pose) noexcept;
 
 /// 1-sigmas of a pose along the world's axes: x y z [m], rotation about the world's x y z [rad].
 std::array<double, 6> world_sigmas(const PoseEstimate& pose,
@@ -45,38 +39,26 @@ class Localiser final : public FrameProcessor {
 
   /// The last landmark found, for overlays; null when the last frame showed none. Where its outlines alone were
   /// followed it says so (LandmarkObservation::from_pose).
-  const LandmarkObservation* last_observation() const noexcept { return found_last_ ? &seen_ : nullptr; }
+  const LandmarkObservation* last_observation() const noexcept {
+    return track_.has_sighting() ? &track_.sighting() : nullptr;
+  }
 
  private:
-  /// Where the landmark was in the frame before, or where its motion has taken it since.
-  Result<PoseEstimate> follow(const ImageView& luma, MonoTime exposed_at) noexcept;
-  /// Remembers the motion since the frame before, and how well it was foretold. \param pose  of the new frame
-  void note_motion(const Result<PoseEstimate>& pose, MonoTime exposed_at) noexcept;
-  /// The sheet before the camera, if it goes on as between the last two frames.
-  CameraFromLandmark expected_at(MonoTime time) const noexcept;
-  /// Everywhere.
-  Result<PoseEstimate> search(const ImageView& luma) noexcept;
-  Result<PoseEstimate> solve(const ImageView& luma, const PoseEstimate* previous) noexcept;
-  void fill_pose(const PoseEstimate& pose) noexcept;
+  /// What a way to the pose has found, and chosen already. None of them: the error of the last one that saw something.
+  Result<std::size_t> follow_outlines(const Frame& frame) noexcept;
+  Result<std::size_t> detect_near_track(const Frame& frame) noexcept;
+  Result<std::size_t> search(const Frame& frame) noexcept;
+  Result<std::size_t> solve(const Frame& frame, const PosePrior* prior) noexcept;
+  void add_fix(std::size_t chosen) noexcept;
 
-  /// Per second, in the camera frame.
-  struct Motion {
-    Eigen::Vector3d rotation_rad, translation_m;
-  };
-
-  LocaliserOptions options_;
-  double focal_px_;
+  const LocaliserOptions options_;
+  CameraModel camera_;
   Detector detector_;
   FullSolver full_;
   EllipseSolver ellipse_;
+  Track track_;
+  PoseCandidates candidates_;  // of the frame under way
   Fix fix_;
-  LandmarkObservation seen_{};
-  PoseEstimate pose_{};
-  MonoTime pose_at_{};
-  std::optional<Motion> motion_;  // between the last two frames, if both had a pose
-  double surprise_px_ = 0;        // how far the landmark was from where it was expected
-  bool found_last_ = false;       // seen_ is of the frame before
-  bool solved_last_ = false;      // pose_ is of the frame before
 };
 
 }  // namespace ninedot

@@ -9,15 +9,15 @@ ReportPose report_pose(const Eigen::Vector3d& position_m, const Eigen::Quaternio
   return {{position_m.x(), position_m.y(), position_m.z()}, {q.w(), q.x(), q.y(), q.z()}};
 }
 
-void fill_pose(const Fix& fix, Report& report) noexcept {
-  const PoseEstimate& pose = fix.pose;
+void fill_pose(const LandmarkFix& fix, Report& report) noexcept {
+  const PoseEstimate& pose = fix.pose();
   report.camera_in_landmark = report_pose(pose.T_landmark_camera.translation_m, pose.T_landmark_camera.quaternion());
   report.camera_in_world = report_pose(fix.T_world_camera.translation_m, fix.T_world_camera.quaternion());
   for (Eigen::Index row = 0; row < 6; ++row)
     for (Eigen::Index column = 0; column < 6; ++column)
       report.covariance[static_cast<std::size_t>(6 * row + column)] = pose.covariance(row, column);
   report.sigma_world = fix.sigma_world;
-  report.landmark_id = fix.landmark_id;
+  report.landmark_id = fix.id;
   report.quality = fix.quality;
   report.ambiguity = pose.ambiguity;
   report.ambiguous = fix.ambiguous;
@@ -41,7 +41,7 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix) noe
   report.calibrated = fix.calibrated;
   report.solver = fix.solver;
   if (fix.reason == Reason::kNone) {
-    fill_pose(fix, report);
+    fill_pose(fix.main(), report);
     report.exposed_at = frame.exposed_at();
     ++report.pose_sequence;
     report.valid = true;

@@ -108,7 +108,7 @@ EllipseSolver::EllipseSolver(const CameraModel& camera, const LandmarkGeometry& 
                              const EllipseCalibration& calibration)
     : camera_(camera), landmark_(landmark), calibration_(calibration) {}
 
-Result<PoseEstimate> EllipseSolver::solve(const LandmarkObservation& seen) const noexcept {
+Result<PoseCandidates> EllipseSolver::solve(const LandmarkObservation& seen) const noexcept {
   const EllipseProblem problem{camera_, landmark_, calibration_};
   NINEDOT_TRY(const EllipseSight sight, make_ellipse_sight(camera_, seen));
   NINEDOT_TRY(EllipseCandidate side, start_candidate(problem, sight));
@@ -122,18 +122,26 @@ Result<PoseEstimate> EllipseSolver::solve(const LandmarkObservation& seen) const
     std::swap(best_px2, other_px2);
   }
 
-  PoseEstimate estimate;
+  PoseCandidates candidates;
+  PoseCandidate chosen, mirror;
+  PoseEstimate& estimate = chosen.pose;
   estimate.T_landmark_camera = best.T_landmark_camera;
   const double residual_px2 = outline_residuals_px(problem, sight, best).squaredNorm();
   estimate.covariance = pose_covariance(problem, sight, best, residual_px2);
-  const double floor_px2 = 2 * sight.seen_count * kBestCentreSigma_px * kBestCentreSigma_px;
-  estimate.ambiguity = (best_px2 + floor_px2) / (other_px2 + floor_px2);
   estimate.rms_px = std::sqrt(residual_px2 / sight.seen_count);
   estimate.dots_used = sight.seen_count;
   estimate.occlusion_level = static_cast<int>(sight.occlusion);
   estimate.ellipse = ellipse_parameters(best.T_landmark_camera, camera_, landmark_);
   estimate.ellipse.image_distance_m = best.image_distance_m;
-  return estimate;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) chosen.visible_share[dot] = sight.seen[dot] ? 1 : 0;
+
+  mirror.pose.T_landmark_camera = other.T_landmark_camera;
+  const double floor_px2 = 2 * sight.seen_count * kBestCentreSigma_px * kBestCentreSigma_px;
+  mirror.chi2_above = 2 * std::log((other_px2 + floor_px2) / (best_px2 + floor_px2));
+  mirror.refined = false;
+  (void)candidates.list.try_push_back(chosen);
+  (void)candidates.list.try_push_back(mirror);
+  return candidates;
 }
 
 }  // namespace ninedot

@@ -22,7 +22,9 @@ class EllipseSolver {
   EllipseSolver(const CameraModel& camera, const LandmarkGeometry& landmark, const EllipseCalibration& calibration);
 
   /// \error kPoseDegenerate: neither five ring dots nor P9 and one ring dot are visible
-  Result<PoseEstimate> solve(const LandmarkObservation& seen) const noexcept;
+  /// The other side's pose comes second, without a covariance. `chi2_above` stands for the ratio of their squared
+  /// residuals: exp(-chi2_above / 2).
+  Result<PoseCandidates> solve(const LandmarkObservation& seen) const noexcept;
 
  private:
   CameraModel camera_;

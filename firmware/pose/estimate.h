@@ -1,8 +1,14 @@
 #pragma once
 /// What a pose solver answers.
 #include <Eigen/Core>
+#include <array>
+#include <cmath>
 
+#include "base/inline_vector.h"
+#include "geometry/landmark.h"
+#include "geometry/optimiser_statistics.h"
 #include "geometry/transform.h"
+#include "pose/outline_state.h"
 
 namespace ninedot {
 
@@ -25,11 +31,53 @@ struct PoseEstimate {
   /// Of (position in S0 [m], rotation vector in the camera frame [rad]): R_true = R exp(rotation), t_true = t +
   /// position.
   Matrix6d covariance = Matrix6d::Zero();
-  double ambiguity = 0;     ///< 0 = the other planar solution is excluded, 1 = both fit alike
+  double ambiguity = 0;     ///< 0 = other readings of the picture are excluded, 1 = another fits alike
   double rms_px = 0;        ///< residual of the outlines used
   int dots_used = 0;        ///< of nine, partly hidden ones included
   int occlusion_level = 0;  ///< 0 nothing hidden, I..III of the founding paper as 1..3
   EllipseParameters ellipse;
 };
+
+/// One reading of a picture.
+struct PoseCandidate {
+  PoseEstimate pose;  ///< `ambiguity` is left to who chooses
+  /// How much worse this reading explains the picture than the best of them: difference of chi^2, so that the odds
+  /// against it are exp(chi2_above / 2). 0 for the best.
+  double chi2_above = 0;
+  /// false: it was excluded without a fit of its own, and chi2_above is what excluded it. Its pose is rough, its
+  /// covariance unknown: never to be chosen.
+  bool refined = true;
+  OptimiserStatistics statistics;                 ///< of its refinement
+  OutlineState outlines;                          ///< solver "full": what a next frame may start from
+  std::array<double, kDotCount> visible_share{};  ///< of each dot's outline, where it belongs. 0..1
+  bool light_smooth = true;                       ///< no shadow's edge crosses the landmark
+};
+
+/// The mirror image beside the pose: all readings that the points of one plane allow.
+inline constexpr std::size_t kMaxPoseCandidates = 2;
+
+/// What a solver answers: every reading, the best one first. Who chooses among them is the track.
+struct PoseCandidates {
+  InlineVector<PoseCandidate, kMaxPoseCandidates> list;  ///< at least one
+  double warp_px = 0;                                    ///< how far the dots lay from where one flat sheet shows them
+};
+
+/// Difference of chi^2 below which the picture can't tell two readings apart: 3 sigma.
+inline constexpr double kUndecided_chi2 = 9;
+
+/// The odds, 0..1, that another reading than the chosen one is right, by the picture alone: exp(-chi^2 / 2) of their
+/// difference; 0 where there is no other.
+inline double ambiguity_of(const PoseCandidates& candidates, std::size_t chosen) noexcept {
+  double ambiguity = 0;
+  for (std::size_t i = 0; i < candidates.list.size(); ++i)
+    if (i != chosen)
+      ambiguity = std::fmax(
+          ambiguity, std::exp(-0.5 * std::abs(candidates.list[i].chi2_above - candidates.list[chosen].chi2_above)));
+  return ambiguity;
+}
+
+/// A dot counts as used from this visible share of its outline on: a third of an outline still fixes its place across
+/// two directions.
+inline constexpr double kMinVisible = 0.3;
 
 }  // namespace ninedot

@@ -1,40 +1,44 @@
 #include "pose/full_solver.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "geometry/planar_pose.h"
-#include "pose/ellipse_parameters.h"
-#include "pose/observation_of_pose.h"
+#include "pose/mirror_image.h"
 #include "pose/outline_refiner.h"
+#include "pose/pose_of_outlines.h"
 
-// Start from the dots' centroids (both planar solutions), refine along the outlines what the centroids do not exclude,
-// and let the grey levels decide.
+// Start from the dots' centroids (both planar solutions), refine along the outlines the one that fits better, look at
+// its mirror image, and refine that too unless the grey levels, or the centroids before them, exclude it.
 
 namespace ninedot {
 namespace {
 
-constexpr double kCentroidSigma_px =
-    0.15;                                 // of a blob, at best, for telling the two planar solutions apart at a glance
-constexpr std::size_t kMinCentroids = 5;  // for a start from centroids
-constexpr double kDecisive = 60;          // difference of chi^2 above which the other solution is not even refined
-constexpr double kUndecided = 9;          // and below which the picture can't tell (3 sigma)
-constexpr double kSamePose_rad = 0.005;   // two solutions closer than this are one
-constexpr double kSettled = 1e-4;         // ambiguity of a track that has told the two solutions apart,
-constexpr double kSettledDifference = 18.4;  // the difference of chi^2 that belongs to it
-constexpr double kApart_rad = 0.17;          // the two solutions' angle from which a track tells them apart
-constexpr double kCloseStart_px = 0.4;       // residual of centroids that a track may start from at once
-constexpr double kWarpShare = 0.5;  // of the centroids' residual: what of it may be the sheet's warp or a shadow's pull
-constexpr double kCommonShift_px =
-    0.002;                          // of all outlines alike, beyond noise: rendered sRGB pictures, tone-curve residue
-constexpr double kMaxMisfit = 0.3;  // of a dot's radius: what is further off is no print of the landmark
-constexpr double kMaxSigma = 0.1;   // of the distance: whoever knows no more has no position
+// Of a blob's centroid, at best, for telling the two planar solutions apart at a glance: a thresholded centroid of 3 px
+// (METHOD, section 3), rounded up.
+constexpr double kCentroidSigma_px = 0.15;
+// For a start from centroids: four points determine a homography exactly, and may lie three on a line.
+constexpr std::size_t kLeastCentroids = 5;
+// Difference of chi^2 above which the other solution is not even refined: a refinement gains less than that over a
+// glance with the best one's pixels (7.7 sigma; the model's own faults included).
+constexpr double kDecisive_chi2 = 60;
+// The same where a track has told the two apart: odds of 1 to 10000, while they are further apart than a track's noise.
+constexpr double kSettled_chi2 = 18.4, kApart_rad = 0.17;
+// Residual of centroids that a track may start from at once: its outlines then lie within the half pixel of
+// Start::kClose.
+constexpr double kCloseStart_px = 0.4;
+// Of the centroids' residual: what of it may be the sheet's warp or a shadow's pull, the rest being noise.
+constexpr double kWarpShare = 0.5;
 
-double angle_between(const CameraFromLandmark& a, const CameraFromLandmark& b) noexcept {
-  return log_so3(a.rotation.transpose() * b.rotation).norm();
-}
+/// From where to refine.
+struct Starts {
+  std::array<CameraFromLandmark, 2> side;  ///< both planar solutions, the better or the track's own first
+  double rms_px = 0;                       ///< of the centroids against side[0]
+  double second_chi2_above = 0;            ///< of the centroids against the worse one; 0 where they can't tell
+  bool differ = false;                     ///< they are two
+  bool centroids_decide() const noexcept { return differ && second_chi2_above >= kDecisive_chi2; }
+};
 
 }  // namespace
 
@@ -43,35 +47,31 @@ struct FullSolver::Workspace {
       : camera(camera_model),
         landmark(landmark_geometry),
         rays(camera_model),
-        refiners{OutlineRefiner(camera, landmark, rays), OutlineRefiner(camera, landmark, rays)} {}
+        first(camera, landmark, rays),
+        second(camera, landmark, rays) {}
 
-  Result<PlanarPoses> start_from_centroids(const LandmarkObservation& seen) const noexcept;
-  double centroids_against(const PlanarPoses& starts, const LandmarkObservation& seen) const noexcept;
-  CameraFromLandmark other_solution(const CameraFromLandmark& T) const noexcept;
-  double choose(OutlineRefiner*& best, OutlineRefiner*& other, const PoseEstimate* previous) const noexcept;
-  PoseEstimate conclude(const OutlineRefiner& best, double ambiguity) const noexcept;
-  /// The ambiguity that the mirror image of a refined pose leaves; none: it has to be refined as well.
-  std::optional<double> mirror_left_over(const OutlineRefiner& refiner, bool track_settled) const noexcept;
+  Result<PlanarPoses> planar_poses(const LandmarkObservation& seen) const noexcept;
+  Result<Starts> starts_from(const LandmarkObservation& seen, const PosePrior* prior) const noexcept;
+  bool refine_first(const ImageView& luma, const LandmarkObservation& seen, const Starts& starts,
+                    const PosePrior* prior, double warp_px) noexcept;
+  std::optional<PoseCandidate> weigh_mirror(const ImageView& luma, bool side_is_settled, double warp_px,
+                                            bool may_refine) noexcept;
 
   CameraModel camera;
   LandmarkGeometry landmark;
   RayTable rays;
-  std::array<OutlineRefiner, 2> refiners;
-  OutlineState last;        ///< of the frame before; its blur and offset are the camera's more than the frame's
-  double last_warp_px = 0;  ///< the sheet's, likewise
-  bool last_light_smooth = false;
-  int frames_unmirrored = 0;  ///< since follow() looked at the mirror image
+  OutlineRefiner first, second;  ///< scratch
 };
 
-Result<PlanarPoses> FullSolver::Workspace::start_from_centroids(const LandmarkObservation& seen) const noexcept {
-  InlineVector<PlanePoint, kDotCount> points;
+Result<PlanarPoses> FullSolver::Workspace::planar_poses(const LandmarkObservation& seen) const noexcept {
+  InlineVector<PlanePoint, kDotCount> points;  // as many as dots: no push can fail
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     if (!seen.dots[dot].seen) continue;
     const auto ray = camera.normalised_from_pixel(seen.dots[dot].centroid_px);
     if (ray) (void)points.try_push_back({landmark.centre_m(dot), *ray});
   }
-  if (points.size() >= kMinCentroids) return solve_planar_pose(points.span());
-  // Four dots may lie three on a line; the detector's map of the sheet is as good and covers all nine places.
+  if (points.size() >= kLeastCentroids) return solve_planar_pose(points.span());
+  // The detector's map of the sheet is as good and covers all nine places.
   points.clear();
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     const Eigen::Vector2d C = landmark.centre_m(dot);
@@ -81,94 +81,69 @@ Result<PlanarPoses> FullSolver::Workspace::start_from_centroids(const LandmarkOb
   return solve_planar_pose(points.span());
 }
 
-/// How much worse the second start fits the centroids than the first, as a difference of chi^2; 0 where they can't
-/// tell.
-double FullSolver::Workspace::centroids_against(const PlanarPoses& starts,
-                                                const LandmarkObservation& seen) const noexcept {
+Result<Starts> FullSolver::Workspace::starts_from(const LandmarkObservation& seen,
+                                                  const PosePrior* prior) const noexcept {
+  NINEDOT_TRY(PlanarPoses poses, planar_poses(seen));
+  Starts starts;
+  const double apart_rad = angle_between_rad(poses[0].T_camera_landmark, poses[1].T_camera_landmark);
+  starts.differ = apart_rad >= kSamePose_rad;
   // A start from the detector's map fits itself: its residuals say nothing.
-  if (seen.seen_count < static_cast<int>(kMinCentroids)) return 0;
-  const double sigma_px = std::max(kCentroidSigma_px, starts[0].rms * camera.fx_px);
-  const double scale = camera.fx_px / sigma_px;
-  return 2 * seen.seen_count * (std::pow(starts[1].rms * scale, 2) - std::pow(starts[0].rms * scale, 2));
-}
-
-/// The pose from which the dots' centres look most like those of `T`, on the other side of the sheet's normal.
-CameraFromLandmark FullSolver::Workspace::other_solution(const CameraFromLandmark& T) const noexcept {
-  InlineVector<PlanePoint, kDotCount> points;
-  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
-    const Eigen::Vector2d C = landmark.centre_m(dot);
-    (void)points.try_push_back({C, (T * Eigen::Vector3d(C.x(), 0, C.y())).hnormalized()});
+  if (seen.seen_count >= static_cast<int>(kLeastCentroids)) {
+    const double sigma_px = std::max(kCentroidSigma_px, poses[0].rms * camera.fx_px);
+    const double scale = camera.fx_px / sigma_px;
+    starts.second_chi2_above =
+        2 * seen.seen_count * (std::pow(poses[1].rms * scale, 2) - std::pow(poses[0].rms * scale, 2));
   }
-  const auto poses = solve_planar_pose(points.span());
-  if (!poses) return T;
-  const CameraFromLandmark &a = (*poses)[0].T_camera_landmark, &b = (*poses)[1].T_camera_landmark;
-  return angle_between(a, T) > angle_between(b, T) ? a : b;
-}
-
-std::optional<double> FullSolver::Workspace::mirror_left_over(const OutlineRefiner& refiner,
-                                                              bool track_settled) const noexcept {
-  OutlineState mirrored = refiner.state();
-  mirrored.T_camera_landmark = other_solution(refiner.state().T_camera_landmark);
-  const double apart_rad = angle_between(mirrored.T_camera_landmark, refiner.state().T_camera_landmark);
-  if (apart_rad < kSamePose_rad) return 0;
-  const double worse_by = refiner.chi2_above(mirrored);
-  if (worse_by < (track_settled && apart_rad > kApart_rad ? kSettledDifference : kDecisive)) return std::nullopt;
-  return std::exp(-0.5 * worse_by);
-}
-
-/// Makes `best` the better of two refined solutions. \return the ambiguity
-double FullSolver::Workspace::choose(OutlineRefiner*& best, OutlineRefiner*& other,
-                                     const PoseEstimate* previous) const noexcept {
-  if (angle_between(best->state().T_camera_landmark, other->state().T_camera_landmark) < kSamePose_rad) return 0;
-  // Half of the difference from the pixels of either: neither's choice of pixels and weights decides.
-  const double better_by = 0.5 * (best->chi2_above(other->state()) - other->chi2_above(best->state()));
-  bool other_wins = better_by < 0;
-  if (previous != nullptr && std::abs(better_by) < kUndecided) {
-    const auto turn = [&](const OutlineRefiner& r) {
-      return log_so3(previous->T_landmark_camera.rotation * r.state().T_camera_landmark.rotation).norm();
+  // A track that has told the two solutions apart begins with the one that it is in.
+  if (prior != nullptr && prior->side_is_settled && apart_rad > kApart_rad && !starts.centroids_decide()) {
+    const auto turn_rad = [&](const PlanarPose& pose) {
+      return angle_between_rad(prior->T_camera_landmark, pose.T_camera_landmark);
     };
-    other_wins = turn(*other) < turn(*best);
+    if (turn_rad(poses[1]) < turn_rad(poses[0])) std::swap(poses[0], poses[1]);
   }
-  if (other_wins) std::swap(best, other);
-  return std::exp(-0.5 * std::abs(better_by));
+  starts.side = {poses[0].T_camera_landmark, poses[1].T_camera_landmark};
+  starts.rms_px = poses[0].rms * camera.fx_px;
+  return starts;
 }
 
-PoseEstimate FullSolver::Workspace::conclude(const OutlineRefiner& best, double ambiguity) const noexcept {
-  PoseEstimate pose;
-  const CameraFromLandmark& T = best.state().T_camera_landmark;
-  pose.T_landmark_camera = T.inverse();
-  pose.ambiguity = ambiguity;
-  pose.rms_px = best.rms_px();
-  pose.ellipse = ellipse_parameters(pose.T_landmark_camera, camera, landmark);
+/// The better start, or the other one where that one leads nowhere.
+bool FullSolver::Workspace::refine_first(const ImageView& luma, const LandmarkObservation& seen, const Starts& starts,
+                                         const PosePrior* prior, double warp_px) noexcept {
+  using Start = OutlineRefiner::Start;
+  OutlineState start = prior != nullptr ? prior->outlines : OutlineState{};
+  start.T_camera_landmark = starts.side[0];
+  const bool close =
+      prior != nullptr && seen.seen_count >= static_cast<int>(kLeastCentroids) && starts.rms_px < kCloseStart_px;
+  if (first.refine(luma, start, close ? Start::kClose : Start::kRough, warp_px).has_converged()) return true;
+  if (!starts.differ || starts.centroids_decide()) return false;
+  start.T_camera_landmark = starts.side[1];
+  return first.refine(luma, start, Start::kRough, warp_px).has_converged();
+}
 
-  // From (rotation about the landmark's origin, translation) of the sheet before the camera to (position of the camera
-  // in S0, rotation vector in the camera frame): dc = R_lc (dw x t - dt), w = -dw.
-  const Eigen::Matrix3d R = pose.T_landmark_camera.rotation;
-  const Eigen::Vector3d t = T.translation_m;
-  Eigen::Matrix3d t_cross;
-  t_cross << 0, -t.z(), t.y(), t.z(), 0, -t.x(), -t.y(), t.x(), 0;
-  Matrix6d M = Matrix6d::Zero();
-  M.topLeftCorner<3, 3>() = -R * t_cross / kLever_m;
-  M.topRightCorner<3, 3>() = -R;
-  M.bottomLeftCorner<3, 3>() = -Eigen::Matrix3d::Identity() / kLever_m;
-  const UnknownMatrix all = best.information().inverse();
-  pose.covariance = M * all.topLeftCorner<6, 6>() * M.transpose();
-  pose.covariance = 0.5 * (pose.covariance + pose.covariance.transpose()).eval();
-  pose.covariance.bottomRightCorner<3, 3>().diagonal().array() += std::pow(kCommonShift_px / camera.fx_px, 2);
-
-  const std::array<double, kDotCount> visible = best.visible_share();
-  int ring_missing = 0;
-  bool centre_missing = false;
-  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
-    pose.dots_used += visible[dot] >= kMinVisible;
-    if (visible[dot] >= 0.5) continue;
-    if (dot == kCentreDot)
-      centre_missing = true;
-    else
-      ++ring_missing;
+/// The mirror image of the first refiner's pose; none: there is no second pose. `chi2_above` is below zero where it
+/// fits better. \param may_refine  false: where it would have to be refined, `refined` says so
+std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView& luma, bool side_is_settled,
+                                                                 double warp_px, bool may_refine) noexcept {
+  OutlineState mirrored = first.state();
+  mirrored.T_camera_landmark = mirror_image(first.state().T_camera_landmark, landmark);
+  const double apart_rad = angle_between_rad(mirrored.T_camera_landmark, first.state().T_camera_landmark);
+  if (apart_rad < kSamePose_rad) return std::nullopt;
+  PoseCandidate mirror;
+  mirror.pose.T_landmark_camera = mirrored.T_camera_landmark.inverse();
+  mirror.outlines = mirrored;
+  mirror.chi2_above = first.chi2_above(mirrored);
+  mirror.refined = !(mirror.chi2_above > (side_is_settled && apart_rad > kApart_rad ? kSettled_chi2 : kDecisive_chi2));
+  if (!mirror.refined || !may_refine) return mirror;
+  if (!second.refine(luma, mirrored, OutlineRefiner::Start::kClose, warp_px).has_converged()) {
+    mirror.refined = false;
+    return mirror;
   }
-  pose.occlusion_level = centre_missing ? 3 : ring_missing > 2 ? 2 : ring_missing > 0 ? 1 : 0;
-  return pose;
+  if (angle_between_rad(first.state().T_camera_landmark, second.state().T_camera_landmark) < kSamePose_rad)
+    return std::nullopt;
+  mirror = candidate_of(second, camera, landmark);
+  // Half of the difference from the pixels of either: neither's choice of pixels and weights decides.
+  mirror.chi2_above = 0.5 * (first.chi2_above(second.state()) - second.chi2_above(first.state()));
+  return mirror;
 }
 
 FullSolver::FullSolver(const CameraModel& camera, const LandmarkGeometry& landmark)
@@ -176,92 +151,60 @@ FullSolver::FullSolver(const CameraModel& camera, const LandmarkGeometry& landma
 
 FullSolver::~FullSolver() = default;
 
-Result<PoseEstimate> FullSolver::solve(const ImageView& luma, const LandmarkObservation& seen,
-                                       const PoseEstimate* previous) noexcept {
+Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkObservation& seen,
+                                         const PosePrior* prior) noexcept {
   Workspace& w = *workspace_;
-  NINEDOT_TRY(PlanarPoses starts, w.start_from_centroids(seen));
-  const auto turn_since = [&](const CameraFromLandmark& T) {
-    return log_so3(previous->T_landmark_camera.rotation * T.rotation).norm();
-  };
-  const double apart_rad = angle_between(starts[0].T_camera_landmark, starts[1].T_camera_landmark);
-  const double coarse = w.centroids_against(starts, seen);
-  const bool undecided = apart_rad >= kSamePose_rad && coarse < kDecisive;
-  // A track that has told the two solutions apart begins with the one that it is in, and needs less to stay in it.
-  const bool settled = previous != nullptr && previous->ambiguity < kSettled && apart_rad > kApart_rad;
-  if (undecided && settled && turn_since(starts[1].T_camera_landmark) < turn_since(starts[0].T_camera_landmark))
-    std::swap(starts[0], starts[1]);
-
-  OutlineState start = previous != nullptr ? w.last : OutlineState{};
-  start.T_camera_landmark = starts[0].T_camera_landmark;
-  const bool close = previous != nullptr && seen.seen_count >= static_cast<int>(kMinCentroids) &&
-                     starts[0].rms * w.camera.fx_px < kCloseStart_px;
-  const double warp_px =
-      seen.seen_count > static_cast<int>(kMinCentroids) ? kWarpShare * starts[0].rms * w.camera.fx_px : 0;
-  OutlineRefiner* best = &w.refiners[0];
-  OutlineRefiner* other = &w.refiners[1];
-  bool ok = best->refine(luma, start, close ? OutlineRefiner::Start::kClose : OutlineRefiner::Start::kRough, warp_px)
-                .has_converged();
-  double ambiguity = apart_rad < kSamePose_rad ? 0 : std::exp(-0.5 * std::max(coarse, 0.0));
-  if (undecided) {
-    OutlineState glance = ok ? best->state() : start;
-    glance.T_camera_landmark = ok ? w.other_solution(best->state().T_camera_landmark) : starts[1].T_camera_landmark;
-    const double worse_by = ok ? best->chi2_above(glance) : 0;
-    if (worse_by > (settled ? kSettledDifference : kDecisive)) {
-      ambiguity = std::exp(-0.5 * worse_by);
-    } else if (other->refine(luma, glance, ok ? OutlineRefiner::Start::kClose : OutlineRefiner::Start::kRough, warp_px)
-                   .has_converged()) {
-      if (!ok) {
-        ambiguity = 0;
-        std::swap(best, other);
-        ok = true;
-      } else {
-        ambiguity = w.choose(best, other, previous);
-      }
-    }
-  }
-  if (!ok) return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
-  PoseEstimate pose = w.conclude(*best, std::min(ambiguity, 1.0));
-  const double dot_px = w.camera.fx_px * w.landmark.dot_radius_m / pose.T_landmark_camera.translation_m.norm();
-  if (pose.rms_px > kMaxMisfit * dot_px)
-    return fail(Errc::kNoLandmark, "the outlines do not lie where those of one landmark would");
-  const double sigma_m = std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace());
-  if (!(sigma_m < kMaxSigma * pose.T_landmark_camera.translation_m.norm()) || pose.dots_used < 3)
+  NINEDOT_TRY(const Starts starts, w.starts_from(seen, prior));
+  PoseCandidates candidates;
+  if (seen.seen_count > static_cast<int>(kLeastCentroids)) candidates.warp_px = kWarpShare * starts.rms_px;
+  if (!w.refine_first(luma, seen, starts, prior, candidates.warp_px))
     return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
-  w.last = best->state();
-  w.last_warp_px = warp_px;
-  w.last_light_smooth = best->is_light_smooth();
-  return pose;
+  PoseCandidate best = candidate_of(w.first, w.camera, w.landmark);
+
+  std::optional<PoseCandidate> mirror;
+  if (starts.centroids_decide()) {
+    mirror.emplace();
+    mirror->pose.T_landmark_camera = starts.side[1].inverse();
+    mirror->outlines.T_camera_landmark = starts.side[1];
+    mirror->chi2_above = starts.second_chi2_above;
+    mirror->refined = false;
+  } else {
+    mirror = w.weigh_mirror(luma, prior != nullptr && prior->side_is_settled, candidates.warp_px, true);
+  }
+  if (mirror && mirror->refined) {
+    if (mirror->chi2_above < 0) std::swap(best, *mirror);
+    mirror->chi2_above = std::abs(mirror->chi2_above) + std::abs(best.chi2_above);
+    best.chi2_above = 0;
+  }
+  // Where a reading that is none of a landmark fits as well, the picture shows none.
+  for (const PoseCandidate* reading : {&best, mirror ? &*mirror : nullptr})
+    if (reading != nullptr && reading->refined && reading->chi2_above < kUndecided_chi2)
+      if (const auto usable = check_pose(reading->pose, w.camera, w.landmark); !usable)
+        return tl::unexpected<Error>(usable.error());
+  (void)candidates.list.try_push_back(best);
+  if (mirror) (void)candidates.list.try_push_back(*mirror);
+  return candidates;
 }
 
-Result<PoseEstimate> FullSolver::follow(const ImageView& luma, const CameraFromLandmark& expected,
-                                        const PoseEstimate& previous, LandmarkObservation& seen) noexcept {
-  constexpr double kWorseFit = 1.5;  // times the residual of the frame before, and a bit: something else is in sight
-  constexpr double kBit_px = 0.03;
-  constexpr double kOutOfTheQuestion = 1e-9;  // ambiguity
-  constexpr int kMirrorEvery = 4;             // frames
+Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const CameraFromLandmark& expected,
+                                          const PosePrior& prior, bool look_at_mirror) noexcept {
   Workspace& w = *workspace_;
-  OutlineRefiner& refiner = w.refiners[0];
-  OutlineState start = w.last;
+  OutlineState start = prior.outlines;
   start.T_camera_landmark = expected;
   const auto lost = fail(Errc::kNoLandmark, "the landmark is not where it was expected");
   // Where shadows cut the dots, their centroids know better than the frame before how far to trust the outlines.
-  if (!w.last_light_smooth ||
-      !refiner.refine(luma, start, OutlineRefiner::Start::kExpected, w.last_warp_px).has_converged() ||
-      !refiner.is_light_smooth())
+  if (!w.first.refine(luma, start, OutlineRefiner::Start::kExpected, prior.warp_px).has_converged() ||
+      !w.first.is_light_smooth())
     return lost;
-  // A mirror image that is out of the question does not come back within four frames.
-  double ambiguity = previous.ambiguity;
-  if (previous.ambiguity > kOutOfTheQuestion || ++w.frames_unmirrored >= kMirrorEvery) {
-    const auto left = w.mirror_left_over(refiner, previous.ambiguity < kSettled);
-    if (!left) return lost;
-    ambiguity = *left;
-    w.frames_unmirrored = 0;
+  PoseCandidates candidates;
+  candidates.warp_px = prior.warp_px;
+  (void)candidates.list.try_push_back(candidate_of(w.first, w.camera, w.landmark));
+  if (look_at_mirror) {
+    const auto mirror = w.weigh_mirror(luma, prior.side_is_settled, prior.warp_px, false);
+    if (mirror && mirror->refined) return lost;
+    if (mirror) (void)candidates.list.try_push_back(*mirror);
   }
-  const PoseEstimate pose = w.conclude(refiner, ambiguity);
-  if (pose.dots_used < previous.dots_used || pose.rms_px > kWorseFit * previous.rms_px + kBit_px) return lost;
-  w.last = refiner.state();
-  seen = observation_of(refiner.state().T_camera_landmark, refiner.visible_share(), w.camera, w.landmark);
-  return pose;
+  return candidates;
 }
 
 }  // namespace ninedot

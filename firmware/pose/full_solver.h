@@ -10,7 +10,16 @@
 
 namespace ninedot {
 
-/// Memory: everything is allocated by the constructor. Threads: one caller.
+/// What a track knows of the landmark before its next picture. The solver remembers nothing by itself.
+struct PosePrior {
+  CameraFromLandmark T_camera_landmark;  ///< in the frame before
+  OutlineState outlines;         ///< of the frame before: blur and offset are the camera's more than the frame's
+  double warp_px = 0;            ///< the sheet's, likewise
+  bool side_is_settled = false;  ///< the track has told the two planar solutions apart
+};
+
+/// Memory: everything is allocated by the constructor; it is scratch, and no answer depends on the call before.
+/// Threads: one caller.
 class FullSolver {
  public:
   FullSolver(const CameraModel& camera, const LandmarkGeometry& landmark);
@@ -19,20 +28,17 @@ class FullSolver {
   FullSolver& operator=(const FullSolver&) = delete;
 
   /// \param luma  the picture that `seen` was found in
-  /// \param previous  what the frame before gave, when the landmark was followed from there; else null. Tells the two
-  ///        planar solutions apart where the picture can't; one that the track has excluded is not refined again, and
-  ///        the ambiguity stays as it was.
-  /// \error kPoseDegenerate: what is visible does not determine a pose
-  Result<PoseEstimate> solve(const ImageView& luma, const LandmarkObservation& seen,
-                             const PoseEstimate* previous) noexcept;
+  /// \param prior  null: there was no pose in the frame before
+  /// \error kPoseDegenerate: what is visible does not determine a pose. kNoLandmark: the outlines are no landmark's.
+  Result<PoseCandidates> solve(const ImageView& luma, const LandmarkObservation& seen, const PosePrior* prior) noexcept;
 
-  /// The pose without a detector: from the outlines where they are expected, as long as every dot of the frame before
-  /// is there. It takes about half the time, and the answer is that of `solve`. \param expected  the sheet before the
-  /// camera in this picture, outlines within about half a pixel \param previous  of the frame before, by this solver
-  /// \param seen  on success becomes what a detector would have handed over
-  /// \error kNoLandmark: it is not quite there, or not all of it, or its mirror image has to be looked into: detect it
-  Result<PoseEstimate> follow(const ImageView& luma, const CameraFromLandmark& expected, const PoseEstimate& previous,
-                              LandmarkObservation& seen) noexcept;
+  /// The pose without a detector: from the outlines where they are expected. It takes about half the time, and the
+  /// answer is that of `solve`. \param expected  the sheet before the camera in this picture, outlines within about
+  /// half a pixel \param look_at_mirror  false: the one candidate is alone, and nothing is said of its mirror image
+  /// \error kNoLandmark: it is not quite there, its light is not smooth, or its mirror image would have to be refined:
+  /// detect it
+  Result<PoseCandidates> follow(const ImageView& luma, const CameraFromLandmark& expected, const PosePrior& prior,
+                                bool look_at_mirror) noexcept;
 
  private:
   struct Workspace;

@@ -6,6 +6,7 @@
 #include "geometry/camera_model.h"
 #include "geometry/landmark.h"
 #include "geometry/transform.h"
+#include "pose/estimate.h"
 
 namespace ninedot {
 
@@ -14,7 +15,5 @@ namespace ninedot {
 LandmarkObservation observation_of(const CameraFromLandmark& T_camera_landmark,
                                    const std::array<double, kDotCount>& visible_share, const CameraModel& camera,
                                    const LandmarkGeometry& landmark) noexcept;
-
-inline constexpr double kMinVisible = 0.3;
 
 }  // namespace ninedot

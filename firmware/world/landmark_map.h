@@ -1,10 +1,38 @@
 #pragma once
-/// Where landmarks hang in the world.
+/// Which landmarks there are, and where they hang in the world.
 #include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "geometry/transform.h"
 
 namespace ninedot {
+
+struct MappedLandmark {
+  std::uint16_t id = 0;
+  std::string code;  ///< P1..P8, eight of K R G B; empty: black and white
+  Transform<frame::World, frame::Landmark> T_world_landmark;
+};
+
+/// Memory: made at the start, constant afterwards. Threads: const is safe.
+class LandmarkMap {
+ public:
+  static constexpr std::size_t kCapacity = 1000;  ///< beyond it the configuration's check refuses
+
+  /// One black-and-white landmark, id 0, at the world's origin.
+  LandmarkMap() : landmarks_(1) {}
+  /// \param landmarks  at least one, at most kCapacity, every id once (contract)
+  explicit LandmarkMap(std::vector<MappedLandmark> landmarks);
+
+  std::span<const MappedLandmark> landmarks() const noexcept { return landmarks_; }
+  /// Null: no landmark of this id. Binary search.
+  const MappedLandmark* find(std::uint16_t id) const noexcept;
+
+ private:
+  std::vector<MappedLandmark> landmarks_;  // by id
+};
 
 /// The place of a landmark that hangs upright: its P9 at `position_m` [m, world], turned by `heading_rad` about the
 /// world's Z (positive from X towards Y). Heading 0: the axes of S0 are those of the world, the sheet looks along +Y.

@@ -30,9 +30,9 @@ LocaliserOptions localiser_options(const Config& config) {
       throw StartupError(ExitStatus::kWrongUsage,
                          "[[landmarks]]: this version does not read colour codes yet: leave `code` out for a "
                          "black-and-white landmark");
-    options.landmark_id = static_cast<std::uint16_t>(landmark.id);
-    options.T_world_landmark = place_upright(
-        Eigen::Vector3d(landmark.x_mm, landmark.y_mm, landmark.z_mm) * kMetresPerMm, landmark.heading_deg * kRadPerDeg);
+    const Eigen::Vector3d position_m = Eigen::Vector3d(landmark.x_mm, landmark.y_mm, landmark.z_mm) * kMetresPerMm;
+    options.map = LandmarkMap({{static_cast<std::uint16_t>(landmark.id), landmark.code,
+                                place_upright(position_m, landmark.heading_deg * kRadPerDeg)}});
   }
   return options;
 }

@@ -9,6 +9,7 @@
 #include "pose/ellipse_solver.h"
 #include "pose/full_solver.h"
 #include "tests/bench/crlb.h"
+#include "tests/support/best_pose.h"
 #include "tests/support/random.h"
 #include "tests/support/renderer_optics.h"
 
@@ -121,8 +122,9 @@ Outcome run_trials(const Condition& condition, int trials, std::uint64_t seed) {
     const auto seen = detector.find_landmark(picture.view());
     if (!seen) continue;
     ++outcome.found;
-    if (const auto pose = full.solve(picture.view(), *seen, nullptr)) full_score.add(scene.camera, *bound, *pose);
-    if (const auto pose = ellipse.solve(*seen)) ellipse_score.add(scene.camera, *bound, *pose);
+    if (const auto pose = test::best_pose(full.solve(picture.view(), *seen, nullptr)))
+      full_score.add(scene.camera, *bound, *pose);
+    if (const auto pose = test::best_pose(ellipse.solve(*seen))) ellipse_score.add(scene.camera, *bound, *pose);
   }
   if (outcome.trials > 0) outcome.bound_m = std::sqrt(outcome.bound_m / outcome.trials);
   outcome.full = full_score.outcome(), outcome.ellipse = ellipse_score.outcome();

@@ -8,6 +8,7 @@
 #include "pipeline/localiser.h"
 #include "pose/full_solver.h"
 #include "tests/bench/contenders.h"
+#include "tests/support/best_pose.h"
 #include "tests/support/process_picture.h"
 #include "tests/support/random.h"
 
@@ -22,7 +23,7 @@ class FullSearch final : public Contender {
   std::optional<Eigen::Vector3d> locate(const ImageView& luma) override {
     const auto seen = detector_.find_landmark(luma);
     if (!seen) return std::nullopt;
-    const auto pose = solver_.solve(luma, *seen, nullptr);
+    const auto pose = test::best_pose(solver_.solve(luma, *seen, nullptr));
     if (!pose) return std::nullopt;
     return pose->T_landmark_camera.translation_m;
   }

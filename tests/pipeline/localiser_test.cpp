@@ -45,7 +45,7 @@ class LocaliserWithEachSolver : public testing::TestWithParam<Solver> {};
 TEST_P(LocaliserWithEachSolver, FillsEveryFieldOfTheReportOfAFrameThatShowsTheLandmark) {
   const test::Scene scene = scene_at(1.5);
   const test::Picture picture = test::render(scene, 1);
-  Localiser unit(CameraModel{}, {.solver = GetParam(), .landmark_id = 7});
+  Localiser unit(CameraModel{}, {.solver = GetParam(), .map = LandmarkMap({{7, "", {}}})});
   Report report;
   test::process_picture(unit, picture.view(), MonoTime(5s), 42, report);
   EXPECT_TRUE(report.valid && report.found && report.calibrated);
@@ -167,7 +167,7 @@ TEST_P(LocaliserWithEachSolver, AFrameOfAnotherSizeIsNotValidAndSaysSo) {
 TEST_P(LocaliserWithEachSolver, PlacesTheCameraInTheWorldByTheMap) {
   const test::Picture picture = test::render(scene_at(1.5), 1);
   const auto T_world_landmark = place_upright({10, 20, 1.2}, 0.5);
-  Localiser unit(CameraModel{}, {.solver = GetParam(), .T_world_landmark = T_world_landmark});
+  Localiser unit(CameraModel{}, {.solver = GetParam(), .map = LandmarkMap({{0, "", T_world_landmark}})});
   Report report;
   test::process_picture(unit, picture.view(), MonoTime(1s), 0, report);
   ASSERT_TRUE(report.valid);
@@ -210,22 +210,6 @@ TEST(PoseQuality, IsZeroForWhatIsNotANumber) {
   PoseEstimate pose = plausible_pose();
   pose.ambiguity = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(pose_quality(pose), 0);
-}
-
-TEST(Publishable, IsOnlyAPoseOfFiniteNumbersWithAnUncertainty) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(is_publishable(plausible_pose()));
-  const auto broken = [](auto&& breakage) {
-    PoseEstimate pose = plausible_pose();
-    breakage(pose);
-    return !is_publishable(pose);
-  };
-  EXPECT_TRUE(broken([](PoseEstimate& p) { p.T_landmark_camera.translation_m.x() = kNan; }));
-  EXPECT_TRUE(broken([](PoseEstimate& p) { p.T_landmark_camera.rotation(1, 2) = kNan; }));
-  EXPECT_TRUE(broken([](PoseEstimate& p) { p.covariance(4, 1) = std::numeric_limits<double>::infinity(); }));
-  EXPECT_TRUE(broken([](PoseEstimate& p) { p.covariance(3, 3) = 0; }));
-  EXPECT_TRUE(broken([](PoseEstimate& p) { p.rms_px = kNan; }));
-  EXPECT_TRUE(broken([](PoseEstimate& p) { p.ellipse.pan_theta_rad = kNan; }));
 }
 
 }  // namespace

@@ -20,5 +20,21 @@ TEST(LandmarkMap, TurnsTheSheetAboutTheWorldsZAndKeepsItUpright) {
   EXPECT_TRUE((T * Eigen::Vector3d(0, 0, 1)).isApprox(Eigen::Vector3d(1, 2, 4), 1e-12));
 }
 
+TEST(LandmarkMap, IsOneBlackAndWhiteLandmarkAtTheOriginUnlessTold) {
+  const LandmarkMap map;
+  ASSERT_EQ(map.landmarks().size(), 1U);
+  ASSERT_NE(map.find(0), nullptr);
+  EXPECT_TRUE(map.find(0)->code.empty());
+}
+
+TEST(LandmarkMap, FindsLandmarksByTheirIdentity) {
+  const LandmarkMap map({{9, "", place_upright({9, 0, 0}, 0)}, {2, "", place_upright({2, 0, 0}, 0)}});
+  ASSERT_NE(map.find(9), nullptr);
+  EXPECT_EQ(map.find(9)->T_world_landmark.translation_m.x(), 9);
+  EXPECT_EQ(map.find(2)->T_world_landmark.translation_m.x(), 2);
+  EXPECT_EQ(map.find(3), nullptr);
+  EXPECT_DEATH(LandmarkMap({{1, "", {}}, {1, "", {}}}), "contract");
+}
+
 }  // namespace
 }  // namespace ninedot

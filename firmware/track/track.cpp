@@ -1,0 +1,114 @@
+#include "track/track.h"
+
+#include <cmath>
+
+#include "base/contract.h"
+#include "pose/mirror_image.h"
+
+namespace ninedot {
+namespace {
+
+// A landmark whose motion is foretold no better than this is found sooner by the detector than by its outlines: half of
+// the reach within which an expectation's first step leads to the outline (pose/outline_refiner.cpp).
+constexpr double kLittleSurprise_px = 0.5;
+constexpr double kSettled = 1e-4;           // ambiguity of a track that has told the two planar solutions apart
+constexpr double kOutOfTheQuestion = 1e-9;  // ambiguity: 6.4 sigma; a few frames do not bring that back
+constexpr int kMirrorEvery = 4;             // frames: the glance costs a fifth of a followed frame
+// Times the residual of the frame before, and a bit (what one frame's residual scatters by): something else is in
+// sight.
+constexpr double kWorseFit = 1.5, kBit_px = 0.03;
+
+}  // namespace
+
+bool is_publishable(const PoseEstimate& pose) noexcept {
+  const EllipseParameters& e = pose.ellipse;
+  const double sum = e.swing_psi_rad + e.tilt_phi_rad + e.pan_theta_rad + e.distance_m + e.image_distance_m +
+                     e.deviation_rad + pose.ambiguity + pose.rms_px;
+  return std::isfinite(sum) && pose.T_landmark_camera.rotation.allFinite() &&
+         pose.T_landmark_camera.translation_m.allFinite() && pose.covariance.allFinite() &&
+         (pose.covariance.diagonal().array() > 0).all();
+}
+
+CameraFromLandmark Track::expected_at(MonoTime time) const noexcept {
+  EXPECTS(has_pose_);
+  CameraFromLandmark T = prior_.T_camera_landmark;
+  if (!motion_) return T;
+  const double ahead_s = std::chrono::duration<double>(time - pose_at_).count();
+  T.rotation = exp_so3(ahead_s * motion_->rotation_rad_s) * T.rotation;
+  T.translation_m += ahead_s * motion_->translation_m_s;
+  return T;
+}
+
+bool Track::may_follow_outlines() const noexcept {
+  return has_pose_ && light_smooth_ && surprise_px_ < kLittleSurprise_px;
+}
+
+bool Track::must_look_at_mirror() noexcept {
+  return pose_.ambiguity > kOutOfTheQuestion || ++frames_since_mirror_ >= kMirrorEvery;
+}
+
+bool Track::accepts(const PoseCandidate& followed) const noexcept {
+  return followed.pose.dots_used >= pose_.dots_used && followed.pose.rms_px <= kWorseFit * pose_.rms_px + kBit_px;
+}
+
+void Track::see(const LandmarkObservation& seen) noexcept {
+  sighting_ = seen;
+  has_sighting_ = true;
+}
+
+std::size_t Track::choose(const PoseCandidates& candidates) const noexcept {
+  std::size_t chosen = 0;
+  if (!has_pose_) return chosen;
+  const auto turn_rad = [&](const PoseCandidate& c) {
+    return angle_between_rad(prior_.T_camera_landmark, c.pose.T_landmark_camera.inverse());
+  };
+  for (std::size_t i = 1; i < candidates.list.size(); ++i) {
+    const PoseCandidate& c = candidates.list[i];
+    if (c.refined && c.chi2_above < kUndecided_chi2 && turn_rad(c) < turn_rad(candidates.list[chosen])) chosen = i;
+  }
+  return chosen;
+}
+
+Result<std::size_t> Track::take(PoseCandidates& candidates, bool mirror_was_looked_at, MonoTime exposed_at) noexcept {
+  const std::size_t chosen = choose(candidates);
+  PoseCandidate& candidate = candidates.list[chosen];
+  candidate.pose.ambiguity = mirror_was_looked_at ? ambiguity_of(candidates, chosen) : pose_.ambiguity;
+  if (!is_publishable(candidate.pose)) {
+    lose_pose(true);
+    return fail(Errc::kPoseDegenerate, "the pose or its covariance is not finite");
+  }
+  note_motion(candidate.pose, exposed_at);
+  has_pose_ = true;
+  pose_ = candidate.pose;
+  pose_at_ = exposed_at;
+  prior_ = {candidate.pose.T_landmark_camera.inverse(), candidate.outlines, candidates.warp_px,
+            candidate.pose.ambiguity < kSettled};
+  light_smooth_ = candidate.light_smooth;
+  if (mirror_was_looked_at) frames_since_mirror_ = 0;
+  return chosen;
+}
+
+void Track::lose_pose(bool sighted) noexcept {
+  has_sighting_ = sighted;
+  has_pose_ = false;
+  motion_.reset();
+  surprise_px_ = 0;
+}
+
+/// The motion since the frame before, and how well it was foretold. \param pose  of the new frame
+void Track::note_motion(const PoseEstimate& pose, MonoTime exposed_at) noexcept {
+  const double since_s = std::chrono::duration<double>(exposed_at - pose_at_).count();
+  if (!has_pose_ || !(since_s > 0)) {
+    motion_.reset();
+    surprise_px_ = 0;
+    return;
+  }
+  const CameraFromLandmark& before = prior_.T_camera_landmark;
+  const CameraFromLandmark now = pose.T_landmark_camera.inverse();
+  const auto direction = [](const Eigen::Vector3d& p_camera_m) -> Eigen::Vector2d { return p_camera_m.hnormalized(); };
+  surprise_px_ = focal_px_ * (direction(expected_at(exposed_at).translation_m) - direction(now.translation_m)).norm();
+  motion_ = Motion{log_so3(now.rotation * before.rotation.transpose()) / since_s,
+                   (now.translation_m - before.translation_m) / since_s};
+}
+
+}  // namespace ninedot

@@ -1,0 +1,72 @@
+#pragma once
+/// All that lasts of a landmark from one frame to the next: where it is and how it moves, in all six freedoms; which of
+/// its readings is believed, and what the losers' odds are; and what its outlines say of the camera and the sheet.
+#include <array>
+#include <optional>
+
+#include "base/mono_time.h"
+#include "detect/observation.h"
+#include "pose/estimate.h"
+#include "pose/full_solver.h"
+
+namespace ninedot {
+
+/// Whether a pose may be published: every number finite, every variance above zero. A covariance of zero would claim a
+/// certainty that no camera has.
+bool is_publishable(const PoseEstimate& pose) noexcept;
+
+/// Memory: none. Threads: one caller.
+class Track {
+ public:
+  /// \param focal_px  of the camera
+  explicit Track(double focal_px) noexcept : focal_px_(focal_px) {}
+
+  /// The frame before showed the landmark; with a pose, or as dots alone.
+  bool has_sighting() const noexcept { return has_sighting_; }
+  const LandmarkObservation& sighting() const noexcept { return sighting_; }
+  /// What the solver may start from; null: the frame before gave no pose.
+  const PosePrior* prior() const noexcept { return has_pose_ ? &prior_ : nullptr; }
+  /// The sheet before the camera, if it goes on as between the last two frames. \pre prior() (contract)
+  CameraFromLandmark expected_at(MonoTime time) const noexcept;
+
+  /// Its motion is foretold so well, and its light is so even, that its outlines may be looked for at once.
+  bool may_follow_outlines() const noexcept;
+  /// Whether the mirror image must be looked at when the outlines are followed: one that is out of the question does
+  /// not come back within a few frames. Counts the frames.
+  bool must_look_at_mirror() noexcept;
+  /// A pose found by following outlines is what the track was after: as many dots, as good a fit.
+  bool accepts(const PoseCandidate& followed) const noexcept;
+
+  /// The frame shows the landmark, whatever comes of it.
+  void see(const LandmarkObservation& seen) noexcept;
+  /// Chooses one of the readings: by the picture, and where it can't tell by continuity. What the losers are worth
+  /// stays in its `ambiguity`. \param mirror_was_looked_at  false: what is known of the mirror image is still that of
+  /// the frame before \return  index of the chosen one \error kPoseDegenerate: its numbers are not finite; the track
+  /// has no pose then
+  Result<std::size_t> take(PoseCandidates& candidates, bool mirror_was_looked_at, MonoTime exposed_at) noexcept;
+  /// The frame gave no pose. \param sighted  but it shows the landmark
+  void lose_pose(bool sighted) noexcept;
+
+ private:
+  /// Per second, in the camera frame.
+  struct Motion {
+    Eigen::Vector3d rotation_rad_s, translation_m_s;
+  };
+  std::size_t choose(const PoseCandidates& candidates) const noexcept;
+  void note_motion(const PoseEstimate& pose, MonoTime exposed_at) noexcept;
+
+  double focal_px_;
+  bool has_sighting_ = false;  // sighting_ is of the frame before
+  LandmarkObservation sighting_;
+
+  bool has_pose_ = false;  // all below is of the frame before
+  PosePrior prior_;
+  PoseEstimate pose_;
+  MonoTime pose_at_{};
+  bool light_smooth_ = false;
+  std::optional<Motion> motion_;  // between the last two frames, if both had a pose
+  double surprise_px_ = 0;        // how far the landmark was from where it was expected
+  int frames_since_mirror_ = 0;   // since the mirror image was looked at
+};
+
+}  // namespace ninedot

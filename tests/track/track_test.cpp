@@ -1,0 +1,160 @@
+#include "track/track.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "pose/mirror_image.h"
+
+namespace ninedot {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kFocal_px = 720;
+
+/// 2 m in front of the sheet, leaning by `tilt_rad`, moved sideways by `x_m`.
+CameraFromLandmark sheet_at(double tilt_rad, double x_m = 0) {
+  // S0 -> camera for a frontal view: X0 to the viewer's left, Y0 towards the viewer, Z0 up.
+  Eigen::Matrix3d frontal;
+  frontal << -1, 0, 0, 0, 0, -1, 0, -1, 0;
+  return {exp_so3({0, tilt_rad, 0}) * frontal, {x_m, 0, 2}};
+}
+
+PoseCandidate reading(const CameraFromLandmark& T, double chi2_above = 0) {
+  PoseCandidate candidate;
+  candidate.pose.T_landmark_camera = T.inverse();
+  candidate.pose.covariance = Matrix6d::Identity() * 1e-8;
+  candidate.pose.dots_used = 9;
+  candidate.pose.rms_px = 0.1;
+  candidate.pose.ellipse.distance_m = 2;
+  candidate.outlines.T_camera_landmark = T;
+  candidate.chi2_above = chi2_above;
+  return candidate;
+}
+
+PoseCandidates readings(std::initializer_list<PoseCandidate> list) {
+  PoseCandidates candidates;
+  for (const PoseCandidate& candidate : list) EXPECT_TRUE(candidates.list.try_push_back(candidate));
+  return candidates;
+}
+
+std::size_t taken(Track& track, PoseCandidates candidates, MonoTime at, bool looked = true) {
+  track.see({});
+  const auto chosen = track.take(candidates, looked, at);
+  EXPECT_TRUE(chosen.has_value());
+  return chosen.value_or(99);
+}
+
+TEST(Publishable, IsOnlyAPoseOfFiniteNumbersWithAnUncertainty) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(is_publishable(plausible_pose()));
+  const auto broken = [](auto&& breakage) {
+    PoseEstimate pose = plausible_pose();
+    breakage(pose);
+    return !is_publishable(pose);
+  };
+  EXPECT_TRUE(broken([](PoseEstimate& p) { p.T_landmark_camera.translation_m.x() = kNan; }));
+  EXPECT_TRUE(broken([](PoseEstimate& p) { p.T_landmark_camera.rotation(1, 2) = kNan; }));
+  EXPECT_TRUE(broken([](PoseEstimate& p) { p.covariance(4, 1) = std::numeric_limits<double>::infinity(); }));
+  EXPECT_TRUE(broken([](PoseEstimate& p) { p.covariance(3, 3) = 0; }));
+  EXPECT_TRUE(broken([](PoseEstimate& p) { p.rms_px = kNan; }));
+  EXPECT_TRUE(broken([](PoseEstimate& p) { p.ellipse.pan_theta_rad = kNan; }));
+}
+
+TEST(Track, KnowsNothingBeforeItsFirstPose) {
+  Track track(kFocal_px);
+  EXPECT_FALSE(track.has_sighting());
+  EXPECT_EQ(track.prior(), nullptr);
+  EXPECT_FALSE(track.may_follow_outlines());
+}
+
+TEST(Track, ForetellsAllSixFreedomsFromTheLastTwoPoses) {
+  Track track(kFocal_px);
+  taken(track, readings({reading(sheet_at(0.30, 0.00))}), MonoTime(1s));
+  taken(track, readings({reading(sheet_at(0.32, 0.01))}), MonoTime(1s + 20ms));
+  const CameraFromLandmark expected = track.expected_at(MonoTime(1s + 40ms));
+  EXPECT_LT(angle_between_rad(expected, sheet_at(0.34)), 1e-9);
+  EXPECT_NEAR(expected.translation_m.x(), 0.02, 1e-12);
+}
+
+TEST(Track, FollowsOutlinesOnlyWhileTheyAreForetoldToHalfAPixel) {
+  Track track(kFocal_px);
+  taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));
+  EXPECT_TRUE(track.may_follow_outlines()) << "standing still, as far as is known";
+  taken(track, readings({reading(sheet_at(0.3, 0.004))}), MonoTime(1s + 20ms));  // 1.4 px from where it was
+  EXPECT_FALSE(track.may_follow_outlines());
+  taken(track, readings({reading(sheet_at(0.3, 0.008))}), MonoTime(1s + 40ms));  // as foretold
+  EXPECT_TRUE(track.may_follow_outlines());
+  PoseCandidate shaded = reading(sheet_at(0.3, 0.012));
+  shaded.light_smooth = false;
+  taken(track, readings({shaded}), MonoTime(1s + 60ms));
+  EXPECT_FALSE(track.may_follow_outlines()) << "a shadow's edge";
+}
+
+TEST(Track, ChoosesByThePictureWhereThatCanTellAndByContinuityWhereItCannot) {
+  const CameraFromLandmark here = sheet_at(0.3), mirror = sheet_at(-0.3);
+  Track track(kFocal_px);
+  EXPECT_EQ(taken(track, readings({reading(here), reading(mirror, 4)}), MonoTime(1s)), 0U) << "no track: the picture";
+  EXPECT_EQ(taken(track, readings({reading(mirror), reading(here, 4)}), MonoTime(2s)), 1U) << "2 sigma: the track";
+  EXPECT_EQ(taken(track, readings({reading(mirror), reading(here, 16)}), MonoTime(3s)), 0U) << "4 sigma: the picture";
+}
+
+TEST(Track, NeverChoosesAReadingThatWasNotRefined) {
+  const CameraFromLandmark here = sheet_at(0.3), mirror = sheet_at(-0.3);
+  Track track(kFocal_px);
+  taken(track, readings({reading(here)}), MonoTime(1s));
+  PoseCandidate rough = reading(here, 1);
+  rough.refined = false;
+  EXPECT_EQ(taken(track, readings({reading(mirror), rough}), MonoTime(2s)), 0U);
+}
+
+TEST(Track, KeepsTheLosersOddsUntilTheyAreLookedAtAgain) {
+  Track track(kFocal_px);
+  PoseCandidates two = readings({reading(sheet_at(0.3)), reading(sheet_at(-0.3), 4)});
+  track.see({});
+  ASSERT_TRUE(track.take(two, true, MonoTime(1s)).has_value());
+  EXPECT_DOUBLE_EQ(two.list[0].pose.ambiguity, std::exp(-2.0));
+  EXPECT_TRUE(track.must_look_at_mirror());
+  PoseCandidates one = readings({reading(sheet_at(0.3))});
+  ASSERT_TRUE(track.take(one, false, MonoTime(2s)).has_value());
+  EXPECT_DOUBLE_EQ(one.list[0].pose.ambiguity, std::exp(-2.0)) << "nobody has looked";
+}
+
+TEST(Track, LooksAtAnExcludedMirrorImageEveryFourthFrame) {
+  Track track(kFocal_px);
+  taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(track.must_look_at_mirror()) << i;
+  EXPECT_TRUE(track.must_look_at_mirror());
+}
+
+TEST(Track, RefusesFollowedOutlinesWithFewerDotsOrAWorseFit) {
+  Track track(kFocal_px);
+  taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));
+  PoseCandidate followed = reading(sheet_at(0.3));
+  EXPECT_TRUE(track.accepts(followed));
+  followed.pose.rms_px = 0.2;
+  EXPECT_FALSE(track.accepts(followed));
+  followed.pose.rms_px = 0.1;
+  followed.pose.dots_used = 8;
+  EXPECT_FALSE(track.accepts(followed));
+}
+
+TEST(Track, APoseOfNoUseEndsIt) {
+  Track track(kFocal_px);
+  taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));
+  PoseCandidates broken = readings({reading(sheet_at(0.3))});
+  broken.list[0].pose.covariance(2, 2) = 0;
+  track.see({});
+  const auto chosen = track.take(broken, true, MonoTime(2s));
+  ASSERT_FALSE(chosen.has_value());
+  EXPECT_EQ(chosen.error().code, Errc::kPoseDegenerate);
+  EXPECT_EQ(track.prior(), nullptr);
+  EXPECT_TRUE(track.has_sighting());
+}
+
+}  // namespace
+}  // namespace ninedot
