@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "detect/blob_moments.h"
 #include "detect/homography.h"
 
 namespace ninedot {
@@ -27,8 +28,10 @@ class Whitening {
   explicit Whitening(const Blob& blob) noexcept : x_(blob.x_px), y_(blob.y_px) {
     const auto scale2 = static_cast<float>(1 << (2 * blob.level));
     const float blur = blob.area_px2 < kSmallArea_px2 * scale2 ? kBlur_px2 * scale2 : 0;
-    const float xx = std::max(blob.xx_px2 - blur, 0.25F * blob.xx_px2);
-    const float yy = std::max(blob.yy_px2 - blur, 0.25F * blob.yy_px2);
+    // A blob has at least a pixel's variance: the floor only keeps what is none from making roots of negative numbers.
+    const float floor = 0.25F * static_cast<float>(kPixelVariance_px2);
+    const float xx = std::max({blob.xx_px2 - blur, 0.25F * blob.xx_px2, floor});
+    const float yy = std::max({blob.yy_px2 - blur, 0.25F * blob.yy_px2, floor});
     const float limit = 0.98F * std::sqrt(xx * yy);
     const float xy = std::clamp(blob.xy_px2, -limit, limit);
     l00_ = std::sqrt(xx);

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "tests/detect/sharpened_spots.h"
 #include "tests/support/renderer.h"
 
 namespace ninedot {
@@ -180,6 +181,14 @@ TEST(Detector, TakesNoOtherPatternForTheLandmark) {
       EXPECT_FALSE(detector.find_landmark(test::render(scene, i).view()).has_value())
           << "pattern " << i << " at " << distance_m << " m";
     }
+}
+
+TEST(Detector, LooksThroughASharpenedPictureOfLonePixels) {
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const auto pixels = test::sharpened_spots(seed);
+    EXPECT_FALSE(detector.find_landmark({pixels.data(), 640, 480, 640}).has_value()) << seed;
+  }
 }
 
 TEST(Detector, SaysWhenNothingIsThereAndWhenTheSizeIsWrong) {
