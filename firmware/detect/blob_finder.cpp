@@ -101,7 +101,7 @@ void BlobFinder::collect(const ImageView& picture, std::span<const Region> regio
     if (place != nullptr) {
       *place = blob;
     } else if (!blobs.try_push_back(blob)) {
-      break;
+      ++blobs_cut_;
     }
   }
   if (!any_replaced) return;

@@ -84,13 +84,16 @@ Result<PoseEstimate> Localiser::follow(const ImageView& luma, MonoTime exposed_a
   if (options_.solver == Solver::kFull && solved_last_ && surprise_px_ < kLittleSurprise_px)
     if (const auto pose = full_.follow(luma, expected_at(exposed_at), pose_, seen_); pose && is_publishable(*pose))
       return pose;
-  NINEDOT_TRY(seen_, detector_.find_landmark_near(luma, seen_));
+  NINEDOT_TRY(seen_,
+              detector_.find_landmark_near(luma, solved_last_ ? LandmarkForecast(pose_.T_landmark_camera.inverse())
+                                                              : LandmarkForecast(seen_, true)));
   return solve(luma, solved_last_ ? &pose_ : nullptr);
 }
 
 Result<PoseEstimate> Localiser::search(const ImageView& luma) noexcept {
   found_last_ = false;
-  NINEDOT_TRY(seen_, detector_.find_landmark(luma));
+  NINEDOT_TRY(const auto found, detector_.find_landmarks(luma));
+  seen_ = found.front();
   found_last_ = true;
   return solve(luma, nullptr);
 }
