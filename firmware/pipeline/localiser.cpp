@@ -84,9 +84,11 @@ Result<PoseEstimate> Localiser::follow(const ImageView& luma, MonoTime exposed_a
   if (options_.solver == Solver::kFull && solved_last_ && surprise_px_ < kLittleSurprise_px)
     if (const auto pose = full_.follow(luma, expected_at(exposed_at), pose_, seen_); pose && is_publishable(*pose))
       return pose;
-  NINEDOT_TRY(seen_,
-              detector_.find_landmark_near(luma, solved_last_ ? LandmarkForecast(pose_.T_landmark_camera.inverse())
-                                                              : LandmarkForecast(seen_, true)));
+  // The full solver's pose says best where the sheet is; the ellipse's is worse than what was seen.
+  const bool by_pose = solved_last_ && options_.solver == Solver::kFull;
+  const LandmarkForecast expected =
+      by_pose ? LandmarkForecast(pose_.T_landmark_camera.inverse()) : LandmarkForecast(seen_, true);
+  NINEDOT_TRY(seen_, detector_.find_landmark_near(luma, expected));
   return solve(luma, solved_last_ ? &pose_ : nullptr);
 }
 
