@@ -23,7 +23,7 @@ ALLOWED = {
     # The detector hands its observation, plain numbers, to the solvers; the detector itself stays unknown to them.
     "firmware/pose": GEOMETRY_AND_IMAGE + ["firmware/detect/observation.h"],
     # What lasts from frame to frame: of what the detector saw and of what the solvers answer.
-    "firmware/track": ["firmware/pose", "firmware/detect/observation.h"] + GEOMETRY_AND_IMAGE,
+    "firmware/track": ["firmware/pose", "firmware/detect/observation.h", "firmware/detect/forecast.h"] + GEOMETRY_AND_IMAGE,
     "firmware/ports": ["firmware/image"] + BASE,
     "firmware/aim": ["firmware/ports"] + GEOMETRY_AND_IMAGE,
     "firmware/world": ["firmware/geometry"] + BASE,

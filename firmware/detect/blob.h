@@ -8,9 +8,13 @@ namespace ninedot {
 struct Blob {
   float x_px, y_px;  ///< centroid
   float area_px2;
-  float xx_px2, xy_px2, yy_px2;  ///< second central moments divided by the area: a disc of radius r has r^2 / 4
-  int level;                     ///< pyramid level that it was found at
+  /// Second central moments divided by the area: a disc of radius r has r^2 / 4, a pixel 1/12, and nothing less.
+  float xx_px2, xy_px2, yy_px2;
+  int level;  ///< pyramid level that it was found at
+
+  /// Of the outline's ellipse, point spread included; never the root of a negative number.
   float semi_major_px() const noexcept;
+  bool is_finite() const noexcept;
 };
 
 inline constexpr std::size_t kMaxBlobs = 1024;

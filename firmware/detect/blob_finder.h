@@ -27,7 +27,8 @@ class BlobFinder {
   };
 
   /// \param luma  at most the constructed size (contract)
-  /// \param blobs  filled; when there are more than kMaxBlobs, the smallest pictures' (largest blobs') come first
+  /// \param blobs  filled; when there are more than kMaxBlobs, those of the smallest pictures (the largest blobs) come
+  /// first, the rest is left out and counted
   void find_blobs(const ImageView& luma, Levels levels, BlobList& blobs) noexcept;
 
   /// Looks at one finer level than the last search of the same picture did. \param blobs  what it filled; added to
@@ -35,6 +36,10 @@ class BlobFinder {
 
   /// Noise of the picture last searched [grey levels, 1-sigma].
   double noise_lsb() const noexcept { return noise_lsb_; }
+
+  /// Found no room, over all calls: dark runs (RegionFinder), blobs. Both wrap.
+  std::uint32_t runs_cut() const noexcept { return regions_.runs_cut(); }
+  std::uint32_t blobs_cut() const noexcept { return blobs_cut_; }
 
   /// The picture last searched at 1 / 2^level of its size, level 1 .. the last one searched plus one.
   ImageView picture_at(int level) const noexcept { return levels_[level - 1].view(); }
@@ -49,6 +54,7 @@ class BlobFinder {
   BlobGrid coarser_;  // the blobs of the levels above the one that is searched
   Levels searched_;
   double noise_lsb_ = 0;
+  std::uint32_t blobs_cut_ = 0;
 };
 
 }  // namespace ninedot

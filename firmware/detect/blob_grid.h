@@ -20,7 +20,8 @@ class BlobGrid {
         rows_(height_px / kCell_px + 1),
         first_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
 
-  /// Forgets what was there. Indices are those in `blobs`; places outside of the picture count as its border.
+  /// Forgets what was there. Indices are those in `blobs`; places outside of the picture count as its border,
+  /// what is not a number as its left or upper one.
   void build(std::span<const Blob> blobs) noexcept {
     std::fill(first_.begin(), first_.end(), std::int16_t{-1});
     // Backwards, so that the first of a cell comes first.
@@ -45,8 +46,11 @@ class BlobGrid {
  private:
   int column(float x_px) const noexcept { return clamped(x_px, columns_); }
   int row(float y_px) const noexcept { return clamped(y_px, rows_); }
+  /// Every comparison with what is not a number is false: such a place is at the first cell.
   static int clamped(float px, int count) noexcept {
-    return static_cast<int>(std::clamp(px * (1.0F / kCell_px), 0.0F, static_cast<float>(count - 1)));
+    const float cell = px * (1.0F / kCell_px);
+    const auto last = static_cast<float>(count - 1);
+    return static_cast<int>(cell > 0 ? (cell < last ? cell : last) : 0.0F);
   }
   std::size_t cell(int column, int row) const noexcept { return static_cast<std::size_t>(row * columns_ + column); }
 

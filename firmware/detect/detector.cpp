@@ -9,8 +9,9 @@
 #include "detect/blob_finder.h"
 #include "detect/homography.h"
 #include "detect/hypothesis.h"
+#include "detect/numbering.h"
+#include "detect/search_area.h"
 #include "detect/verify.h"
-#include "geometry/planar_pose.h"
 
 // picture -> blobs -> hypotheses -> the one that the grey levels confirm best -> numbered dots.
 // The founding paper votes for ellipses in a Hough space; blobs by a local threshold need no votes, no parameter of
@@ -21,14 +22,6 @@ namespace {
 
 /// Blobs know nothing of the landmark: what is hidden, spoiled or at the picture's edge is told by the outlines.
 constexpr float kWholeOutline = 0.9F;
-
-struct Window {
-  int x = 0, y = 0, width = 0, height = 0;
-};
-
-ImageView cut(const ImageView& luma, const Window& w) noexcept {
-  return {luma.row(w.y) + w.x, w.width, w.height, luma.stride_bytes};
-}
 
 }  // namespace
 
@@ -41,13 +34,22 @@ struct Detector::Workspace {
         finder(camera_model.width_px, camera_model.height_px),
         sorted(camera_model.width_px, camera_model.height_px) {}
 
-  Result<LandmarkObservation> find(const ImageView& luma, const Window& searched, BlobFinder::Levels wanted) noexcept;
-  Result<LandmarkObservation> match(const ImageView& luma) noexcept;
-  Verification verify(const ImageView& luma, const Hypothesis& hypothesis) const noexcept;
-  bool best_hypothesis(const ImageView& luma, Verification& verification) noexcept;
-  Result<LandmarkObservation> observe(const Verification& verification) noexcept;
+  bool fits(const ImageView& luma) const noexcept {
+    return luma.width_px == camera.width_px && luma.height_px == camera.height_px;
+  }
+  SearchArea everywhere(int first_level) const noexcept {
+    return {0, 0, camera.width_px, camera.height_px, {first_level, BlobFinder::kLevels - 1}};
+  }
+
+  Result<LandmarkObservation> search_whole(const ImageView& luma) noexcept;
+  Result<LandmarkObservation> search_near(const ImageView& luma, const LandmarkForecast& expected) noexcept;
+
+  Result<LandmarkObservation> look(const ImageView& luma, const SearchArea& area) noexcept;
+  Result<LandmarkObservation> match(const ImageView& luma, const SearchArea& area) noexcept;
+  Verification verify(const ImageView& luma, const SearchArea& area, const Hypothesis& hypothesis) const noexcept;
+  bool best_hypothesis(const ImageView& luma, const SearchArea& area, Verification& verification) noexcept;
+  Result<LandmarkObservation> observe(const Verification& verification) const noexcept;
   bool is_cut(std::size_t dot, const Blob& blob) const noexcept;
-  void number_dots(std::span<const PlanePoint> points, LandmarkObservation& seen) const noexcept;
 
   CameraModel camera;
   LandmarkGeometry landmark;
@@ -57,57 +59,80 @@ struct Detector::Workspace {
   SortedBlobs sorted;
   HypothesisList hypotheses;
   Hypothesis best;
-  Window window;  ///< of the search under way
-  BlobFinder::Levels levels;
+  ObservationList found;
+  GuessCuts cuts;
+  std::uint32_t landmarks_cut = 0;
 };
 
-Result<LandmarkObservation> Detector::Workspace::find(const ImageView& luma, const Window& searched,
-                                                      BlobFinder::Levels wanted) noexcept {
-  window = searched;
-  levels = wanted;
-  finder.find_blobs(cut(luma, window), levels, blobs);
-  for (Blob& blob : blobs) {
-    blob.x_px += static_cast<float>(window.x);
-    blob.y_px += static_cast<float>(window.y);
+/// Coarse to fine. Three quarters of all pixels are the picture's own, and a landmark nearer than about 4 m shows at
+/// half the size as well: it is found there and measured where it is.
+Result<LandmarkObservation> Detector::Workspace::search_whole(const ImageView& luma) noexcept {
+  const Result<LandmarkObservation> coarse = look(luma, everywhere(1));
+  if (!coarse) {  // nothing at half the size: the picture's own pixels in addition
+    finder.add_finer_level(luma, blobs);
+    return match(luma, everywhere(0));
   }
-  return match(luma);
+  if (auto fine = search_near(luma, LandmarkForecast(*coarse, false))) return fine;
+  return look(luma, everywhere(0));
+}
+
+Result<LandmarkObservation> Detector::Workspace::search_near(const ImageView& luma,
+                                                             const LandmarkForecast& expected) noexcept {
+  const auto area = search_area_around(expected.H_ray_plane, camera, landmark);
+  if (!area) return fail(Errc::kNoLandmark, "the landmark has left the picture");
+  Result<LandmarkObservation> seen = look(luma, *area);
+  if (!seen || !expected.is_numbered) return seen;
+  if (const auto first = first_dot_by_forecast(seen->H_ray_plane, expected.H_ray_plane, landmark))
+    return renumbered(*seen, *first);
+  return seen;  // not as it was foretold: another view, and the priors know better
+}
+
+Result<LandmarkObservation> Detector::Workspace::look(const ImageView& luma, const SearchArea& area) noexcept {
+  finder.find_blobs(area.cut(luma), area.levels, blobs);
+  for (Blob& blob : blobs) {
+    blob.x_px += static_cast<float>(area.x_px);
+    blob.y_px += static_cast<float>(area.y_px);
+  }
+  return match(luma, area);
 }
 
 /// The landmark among the blobs at hand.
-Result<LandmarkObservation> Detector::Workspace::match(const ImageView& luma) noexcept {
+Result<LandmarkObservation> Detector::Workspace::match(const ImageView& luma, const SearchArea& area) noexcept {
   sorted.assign(blobs);
   Verification verification;
   hypotheses.clear();
-  guess_from_centre(sorted, landmark, hypotheses);
-  if (!best_hypothesis(luma, verification)) {
+  guess_from_centre(sorted, landmark, hypotheses, cuts);
+  if (!best_hypothesis(luma, area, verification)) {
     hypotheses.clear();
-    guess_from_ring(sorted, landmark, hypotheses);
-    if (!best_hypothesis(luma, verification)) return fail(Errc::kNoLandmark, "no landmark in the picture");
+    guess_from_ring(sorted, landmark, hypotheses, cuts);
+    if (!best_hypothesis(luma, area, verification)) return fail(Errc::kNoLandmark, "no landmark in the picture");
   }
   return observe(verification);
 }
 
 /// Small dots are looked at in the picture itself, larger ones at a level of the pyramid where noise is averaged away.
-Verification Detector::Workspace::verify(const ImageView& luma, const Hypothesis& hypothesis) const noexcept {
+Verification Detector::Workspace::verify(const ImageView& luma, const SearchArea& area,
+                                         const Hypothesis& hypothesis) const noexcept {
   constexpr double kSmallest_px = 2.5;  // semi-minor axis of a ring dot in the picture that is looked at
   const Eigen::Matrix2d J = jacobian_of_map(hypothesis.H_px_plane, Eigen::Vector2d::Zero());
   const double semi_minor_px = landmark.dot_radius_m * std::abs(J.determinant()) / std::max(J.norm(), 1e-9);
   int level = 0;
-  while (level <= levels.last && semi_minor_px > kSmallest_px * (2 << level)) ++level;
+  while (level <= area.levels.last && semi_minor_px > kSmallest_px * (2 << level)) ++level;
   if (level == 0) return verify_landmark(luma, hypothesis.H_px_plane, landmark, blobs, hypothesis, finder.noise_lsb());
   const double scale = 1.0 / (1 << level);
   Eigen::Matrix3d to_level = Eigen::Matrix3d::Identity();
   to_level(0, 0) = to_level(1, 1) = scale;
-  to_level(0, 2) = (0.5 - window.x) * scale - 0.5;
-  to_level(1, 2) = (0.5 - window.y) * scale - 0.5;
+  to_level(0, 2) = (0.5 - area.x_px) * scale - 0.5;
+  to_level(1, 2) = (0.5 - area.y_px) * scale - 0.5;
   return verify_landmark(finder.picture_at(level), to_level * hypothesis.H_px_plane, landmark, blobs, hypothesis,
                          finder.noise_lsb() * scale);
 }
 
-bool Detector::Workspace::best_hypothesis(const ImageView& luma, Verification& verification) noexcept {
+bool Detector::Workspace::best_hypothesis(const ImageView& luma, const SearchArea& area,
+                                          Verification& verification) noexcept {
   bool any = false;
   for (const Hypothesis& hypothesis : hypotheses) {
-    const Verification v = verify(luma, hypothesis);
+    const Verification v = verify(luma, area, hypothesis);
     if (!v.accepted || (any && v.score <= verification.score)) continue;
     any = true;
     verification = v;
@@ -125,11 +150,9 @@ bool Detector::Workspace::is_cut(std::size_t dot, const Blob& blob) const noexce
   return static_cast<double>(blob.area_px2) < whole_px2 * (0.85 - 1.2 / std::sqrt(whole_px2));
 }
 
-Result<LandmarkObservation> Detector::Workspace::observe(const Verification& verification) noexcept {
+Result<LandmarkObservation> Detector::Workspace::observe(const Verification& verification) const noexcept {
   LandmarkObservation seen;
-  std::array<PlanePoint, kDotCount> matches;
   InlineVector<PlanePoint, kDotCount> points;
-  std::size_t count = 0;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     DotObservation& d = seen.dots[dot];
     d.visible_fraction = verification.visible_fraction[dot];
@@ -146,51 +169,13 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Verification& ver
     seen.seen_count += d.seen;
     const auto ray = camera.normalised_from_pixel(d.centroid_px);
     if (!ray) return tl::unexpected<Error>(ray.error());
-    matches[count++] = {landmark.centre_m(dot), *ray};
-    (void)points.try_push_back({landmark.centre_m(dot), *ray});
+    EXPECTS(points.try_push_back({landmark.centre_m(dot), *ray}));  // as many as there are dots
   }
-  if (!fit_plane_map(std::span(matches).first(count), seen.H_ray_plane))
+  if (!fit_plane_map(points.span(), seen.H_ray_plane))
     return fail(Errc::kPoseDegenerate, "the visible dots lie on a line");
-  number_dots(points.span(), seen);
-  return seen;
-}
-
-/// The ring looks the same after an eighth of a turn: eight numberings, each of which makes another camera. A camera
-/// stands upright (but for the expected roll) and not far above or below the landmark, so P1 is the dot that needs the
-/// least roll and elevation together: seen from in front the lowest dot. From diagonally above the lowest dot may be a
-/// neighbour, and roll tells them apart; from 75 degrees aside neighbours differ by 15 degrees of roll, but by 40 of
-/// elevation.
-void Detector::Workspace::number_dots(std::span<const PlanePoint> points, LandmarkObservation& seen) const noexcept {
-  constexpr double kRollSigma_rad = 14 * std::numbers::pi / 180;       // hand-levelled mounts, uneven floors
-  constexpr double kElevationSigma_rad = 50 * std::numbers::pi / 180;  // weak: cameras hang under ceilings too
-  // The rigid pose, because a distant landmark's homography has eight unknowns of which two are noise.
-  Eigen::Vector3d X = seen.H_ray_plane.col(0).normalized();
-  Eigen::Vector3d Z = seen.H_ray_plane.col(1).normalized();
-  Eigen::Vector3d to_camera = -seen.H_ray_plane.col(2).normalized();
-  if (const auto poses = solve_planar_pose(points)) {
-    X = poses->front().T_camera_landmark.rotation.col(0);
-    Z = poses->front().T_camera_landmark.rotation.col(2);
-    to_camera = -poses->front().T_camera_landmark.translation_m.normalized();
-  }
-  std::size_t lowest = 0;
-  double least = 1e9;
-  for (std::size_t k = 0; k < kRingDotCount; ++k) {
-    const Eigen::Vector2d towards = landmark.centre_m(k).normalized();
-    const Eigen::Vector3d up = -(towards.x() * X + towards.y() * Z);
-    const double roll_rad =
-        std::remainder(std::atan2(up.x(), -up.y()) - options.expected_roll_rad, 2 * std::numbers::pi);
-    const double elevation_rad = std::asin(std::clamp(up.dot(to_camera), -1.0, 1.0));
-    const double cost = std::pow(roll_rad / kRollSigma_rad, 2) + std::pow(elevation_rad / kElevationSigma_rad, 2);
-    if (cost < least) least = cost, lowest = k;
-  }
-  if (lowest == 0) return;
-  const auto dots = seen.dots;
-  for (std::size_t k = 0; k < kRingDotCount; ++k) seen.dots[k] = dots[(k + lowest) % kRingDotCount];
-  // New coordinates X' of the same point: old = turn * new, where turn carries P1 to where dot `lowest` was.
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() =
-      Eigen::Rotation2Dd(static_cast<double>(lowest) * std::numbers::pi / 4).toRotationMatrix();
-  seen.H_ray_plane = seen.H_ray_plane * turn;
+  seen.numbering_chi2 = numbering_costs(points.span(), seen.H_ray_plane, landmark, options.expected_roll_rad);
+  const auto likeliest = std::min_element(seen.numbering_chi2.begin(), seen.numbering_chi2.end());
+  return renumbered(seen, static_cast<int>(likeliest - seen.numbering_chi2.begin()));
 }
 
 Detector::Detector(const CameraModel& camera, const LandmarkGeometry& landmark, const DetectorOptions& options)
@@ -198,68 +183,25 @@ Detector::Detector(const CameraModel& camera, const LandmarkGeometry& landmark, 
 
 Detector::~Detector() = default;
 
-Result<LandmarkObservation> Detector::find_landmark(const ImageView& luma) noexcept {
-  const CameraModel& camera = workspace_->camera;
-  if (luma.width_px != camera.width_px || luma.height_px != camera.height_px)
-    return fail(Errc::kFrameSize, "the frame's size is not the calibration's");
-  // Three quarters of all pixels are the picture's own. A landmark nearer than about 4 m shows at half the size as
-  // well, and is then measured where it is.
+Result<std::span<const LandmarkObservation>> Detector::find_landmarks(const ImageView& luma) noexcept {
   Workspace& w = *workspace_;
-  const Window whole{0, 0, luma.width_px, luma.height_px};
-  if (const auto coarse = w.find(luma, whole, {1, BlobFinder::kLevels - 1})) {
-    if (auto fine = find_landmark_near(luma, *coarse)) return fine;
-    return w.find(luma, whole, {});
-  }
-  w.finder.add_finer_level(luma, w.blobs);
-  w.levels.first = 0;
-  return w.match(luma);
+  if (!w.fits(luma)) return fail(Errc::kFrameSize, "the frame's size is not the calibration's");
+  NINEDOT_TRY(const LandmarkObservation seen, w.search_whole(luma));
+  w.found.clear();
+  if (!w.found.try_push_back(seen)) ++w.landmarks_cut;
+  return w.found.span();
 }
 
 Result<LandmarkObservation> Detector::find_landmark_near(const ImageView& luma,
-                                                         const LandmarkObservation& predicted) noexcept {
-  const CameraModel& camera = workspace_->camera;
-  const LandmarkGeometry& landmark = workspace_->landmark;
-  if (luma.width_px != camera.width_px || luma.height_px != camera.height_px)
-    return fail(Errc::kFrameSize, "the frame's size is not the calibration's");
+                                                         const LandmarkForecast& expected) noexcept {
+  Workspace& w = *workspace_;
+  if (!w.fits(luma)) return fail(Errc::kFrameSize, "the frame's size is not the calibration's");
+  return w.search_near(luma, expected);
+}
 
-  // The box around all outlines, and half as much again on every side: a landmark may move by that between two frames.
-  Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
-  const double reach_m = landmark.ring_radius_m + landmark.dot_radius_m;
-  for (int i = 0; i < 16; ++i) {
-    const double a_rad = i * std::numbers::pi / 8;
-    const Eigen::Vector2d ray =
-        map_point(predicted.H_ray_plane, reach_m * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad)));
-    const Eigen::Vector2d px = camera.pixel_from_normalised(ray);
-    low = low.cwiseMin(px), high = high.cwiseMax(px);
-  }
-  constexpr double kMargin = 0.3;  // of the box, on every side
-  constexpr double kLeastMargin_px = 12;
-  const Eigen::Vector2d margin = (kMargin * (high - low)).cwiseMax(kLeastMargin_px);
-  const auto clamp_x = [&](double x) {
-    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(luma.width_px)));
-  };
-  const auto clamp_y = [&](double y) {
-    return static_cast<int>(std::clamp(y, 0.0, static_cast<double>(luma.height_px)));
-  };
-  const int x0 = clamp_x(low.x() - margin.x()), x1 = clamp_x(high.x() + margin.x() + 1);
-  const int y0 = clamp_y(low.y() - margin.y()), y1 = clamp_y(high.y() + margin.y() + 1);
-  if (x1 - x0 < 16 || y1 - y0 < 16) return fail(Errc::kNoLandmark, "the landmark has left the picture");
-
-  // The levels that see the ring's dots (narrower way) and P9 (wider way) at 2 to 20 of their pixels.
-  double narrow_px = 1e9, wide_px = 0;
-  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
-    const Eigen::Matrix2d J = jacobian_of_map(predicted.H_ray_plane, landmark.centre_m(dot));
-    const double size_px = 2 * landmark.radius_m(dot) * camera.fx_px;
-    const double product = std::abs(J.determinant());
-    const double largest = J.norm();
-    narrow_px = std::min(narrow_px, size_px * product / std::max(largest, 1e-12));
-    wide_px = std::max(wide_px, size_px * largest);
-  }
-  BlobFinder::Levels levels{0, 0};
-  while (levels.first < BlobFinder::kLevels - 1 && narrow_px > 8 * (2 << levels.first)) ++levels.first;
-  levels.last = levels.first;
-  while (levels.last < BlobFinder::kLevels - 1 && wide_px > 14 * (1 << levels.last)) ++levels.last;
-  return workspace_->find(luma, {x0, y0, x1 - x0, y1 - y0}, levels);
+DetectorCounts Detector::counts() const noexcept {
+  const Workspace& w = *workspace_;
+  return {w.finder.runs_cut(), w.finder.blobs_cut(), w.cuts.neighbours, w.cuts.hypotheses, w.landmarks_cut};
 }
 
 }  // namespace ninedot

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "detect/blob_moments.h"
 #include "detect/homography.h"
 
 namespace ninedot {
@@ -27,8 +28,10 @@ class Whitening {
   explicit Whitening(const Blob& blob) noexcept : x_(blob.x_px), y_(blob.y_px) {
     const auto scale2 = static_cast<float>(1 << (2 * blob.level));
     const float blur = blob.area_px2 < kSmallArea_px2 * scale2 ? kBlur_px2 * scale2 : 0;
-    const float xx = std::max(blob.xx_px2 - blur, 0.25F * blob.xx_px2);
-    const float yy = std::max(blob.yy_px2 - blur, 0.25F * blob.yy_px2);
+    // A blob has at least a pixel's variance: the floor only keeps what is none from making roots of negative numbers.
+    const float floor = 0.25F * static_cast<float>(kPixelVariance_px2);
+    const float xx = std::max({blob.xx_px2 - blur, 0.25F * blob.xx_px2, floor});
+    const float yy = std::max({blob.yy_px2 - blur, 0.25F * blob.yy_px2, floor});
     const float limit = 0.98F * std::sqrt(xx * yy);
     const float xy = std::clamp(blob.xy_px2, -limit, limit);
     l00_ = std::sqrt(xx);
@@ -62,7 +65,7 @@ struct Neighbour {
 using NeighbourList = InlineVector<Neighbour, kMaxNeighbours>;
 
 void find_ring_around(const SortedBlobs& blobs, std::size_t centre, const LandmarkGeometry& landmark,
-                      NeighbourList& out) noexcept {
+                      NeighbourList& out, GuessCuts& cuts) noexcept {
   const Blob& c = blobs.list()[centre];
   const Whitening whiten(c);
   const double area_ratio = std::pow(landmark.dot_radius_m / landmark.centre_radius_m, 2);
@@ -74,7 +77,8 @@ void find_ring_around(const SortedBlobs& blobs, std::size_t centre, const Landma
                         const Eigen::Vector2f n = whiten(blob.x_px, blob.y_px);
                         const float error = n.norm() / ring - 1;
                         if (std::abs(error) > static_cast<float>(kRadiusTolerance)) return;
-                        (void)out.try_push_back({static_cast<std::int16_t>(i), std::atan2(n.y(), n.x()), error});
+                        if (!out.try_push_back({static_cast<std::int16_t>(i), std::atan2(n.y(), n.x()), error}))
+                          ++cuts.neighbours;
                       });
 }
 
@@ -135,10 +139,11 @@ bool is_known(const HypothesisList& list, const Hypothesis& candidate) noexcept 
 }
 
 void keep(const SortedBlobs& blobs, const LandmarkGeometry& landmark, int min_matched, Hypothesis& hypothesis,
-          HypothesisList& out) noexcept {
+          HypothesisList& out, GuessCuts& cuts) noexcept {
   if (!attach_blobs(blobs, landmark, hypothesis) || hypothesis.matched < min_matched || is_known(out, hypothesis))
     return;
   if (out.try_push_back(hypothesis)) return;
+  ++cuts.hypotheses;  // one of them goes: the list is full
   Hypothesis* worst =
       std::min_element(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.matched < b.matched; });
   if (worst->matched < hypothesis.matched) *worst = hypothesis;
@@ -189,21 +194,23 @@ bool attach_blobs(const SortedBlobs& blobs, const LandmarkGeometry& landmark, Hy
   return true;
 }
 
-void guess_from_centre(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept {
+void guess_from_centre(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out,
+                       GuessCuts& cuts) noexcept {
   constexpr float kMinArea_px2 = 8;  // P9 at 9 m and 720 px
   NeighbourList neighbours;
   const BlobList& list = blobs.list();
   for (std::size_t centre = 0; centre < list.size() && list[centre].area_px2 >= kMinArea_px2; ++centre) {
-    find_ring_around(blobs, centre, landmark, neighbours);
+    find_ring_around(blobs, centre, landmark, neighbours, cuts);
     if (neighbours.size() < 3) continue;
     Hypothesis hypothesis;
     if (number_neighbours(neighbours, hypothesis) < 3) continue;
     hypothesis.blob[kCentreDot] = static_cast<std::int16_t>(centre);
-    if (fit(list, landmark, hypothesis)) keep(blobs, landmark, 4, hypothesis, out);
+    if (fit(list, landmark, hypothesis)) keep(blobs, landmark, 4, hypothesis, out, cuts);
   }
 }
 
-void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept {
+void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out,
+                     GuessCuts& cuts) noexcept {
   constexpr float kMinArea_px2 = 5;
   constexpr double kAreaFactor = 1.7;
   constexpr std::size_t kNearest = 8;
@@ -228,6 +235,7 @@ void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark,
                           if (i == middle || distance < 0.6F || distance > 1.5F) return;
                           const Near candidate{static_cast<std::int16_t>(i), std::abs(distance - 1)};
                           if (near.try_push_back(candidate)) return;
+                          ++cuts.neighbours;
                           Near* worst = std::max_element(near.begin(), near.end(), [](const Near& a, const Near& b) {
                             return a.distance < b.distance;
                           });
@@ -251,7 +259,7 @@ void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark,
         hypothesis.H_px_plane.topLeftCorner<2, 2>() = J;
         hypothesis.H_px_plane.topRightCorner<2, 1>() = Eigen::Vector2d(m.x_px, m.y_px) - J * landmark.centre_m(0);
         // Three whole dots are all that half a sheet may leave; P9's visible part then decides.
-        keep(blobs, landmark, 3, hypothesis, out);
+        keep(blobs, landmark, 3, hypothesis, out, cuts);
       }
     }
   }

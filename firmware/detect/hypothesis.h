@@ -54,13 +54,21 @@ class SortedBlobs {
   BlobGrid grid_;
 };
 
+/// What found no room in a list of fixed size, added up over all calls; wraps.
+struct GuessCuts {
+  std::uint32_t neighbours = 0;  ///< blobs around P9, or beside a dot of the ring
+  std::uint32_t hypotheses = 0;  ///< the one with the fewest dots of a full list and the new one
+};
+
 /// Takes each blob as P9: its ellipse says, under an affine map, on which ellipse the ring's dots lie and how large
 /// they are; eight-fold symmetry around it picks them out. Three dots are enough.
-void guess_from_centre(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept;
+void guess_from_centre(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out,
+                       GuessCuts& cuts) noexcept;
 
 /// Takes three blobs as neighbours on the ring, when P9 is hidden or spoiled: three points give the affine map, the
 /// area and shape of the middle one confirm it.
-void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out) noexcept;
+void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out,
+                     GuessCuts& cuts) noexcept;
 
 /// Takes the dots from where H predicts them and fits H to what it found. \return false: fewer than three dots remain
 bool attach_blobs(const SortedBlobs& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis) noexcept;

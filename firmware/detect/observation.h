@@ -1,9 +1,11 @@
 #pragma once
-/// What the detector hands to the pose solvers: the dots of one landmark as seen in one picture.
+/// What the detector hands to the pose solvers: the dots of the landmarks seen in one picture.
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
+#include "base/inline_vector.h"
 #include "geometry/landmark.h"
 
 namespace ninedot {
@@ -24,11 +26,21 @@ struct LandmarkObservation {
   /// Sheet to bearing: (x, y, 1) ~ H (X0, Z0, 1), X0 and Z0 in m, x and y normalised (z = 1) with the lens's distortion
   /// removed. Good to about a pixel.
   Eigen::Matrix3d H_ray_plane = Eigen::Matrix3d::Identity();
+  /// What speaks against the dot at index k being P1, of one picture alone and whatever the numbering above follows:
+  /// the priors of numbering.h as squares of normal deviates, those of the likeliest numbering taken off. The smallest
+  /// is 0. 0 for all: nothing is known.
+  std::array<double, kRingDotCount> numbering_chi2{};
   int seen_count = 0;
   bool from_pose = false;  ///< computed from a pose that was found without looking for dots
 };
 
-/// More in one picture than these are not looked at.
+/// The same landmark with the dot at index `eighths` (modulo eight) as P1: dots, H_ray_plane and numbering_chi2 turn
+/// together, so that every dot stays where it is seen. Memory: none. Threads: pure.
+LandmarkObservation renumbered(const LandmarkObservation& seen, int eighths) noexcept;
+
+/// More landmarks than a room needs around one camera. What the list cannot hold is left out, the least sure first, and
+/// counted (DetectorCounts::landmarks_cut).
 inline constexpr std::size_t kMaxLandmarksInView = 16;
+using ObservationList = InlineVector<LandmarkObservation, kMaxLandmarksInView>;
 
 }  // namespace ninedot

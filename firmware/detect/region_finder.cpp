@@ -80,6 +80,8 @@ void RegionFinder::find_runs(const ImageView& picture, const ImageBuffer& thresh
         } else if (run_count_ < runs_.size()) {
           runs_[run_count_] = {begin, at, static_cast<std::int32_t>(run_count_)};
           ++run_count_;
+        } else {
+          ++runs_cut_;
         }
         inside ^= 1;
       }

@@ -33,9 +33,12 @@ class RegionFinder {
   /// \param threshold  of half the picture's size: one value for 2 x 2 pixels; a pixel below it is dark
   /// \return  regions within the limits that do not touch the picture's border, in the order of their first pixels,
   ///          valid until the next call. Texture with more runs than an eighth of the largest picture's pixels is cut
-  ///          off at the bottom.
+  ///          off at the bottom, and counted.
   std::span<const Region> find(const ImageView& picture, const ImageBuffer& threshold,
                                const RegionLimits& limits) noexcept;
+
+  /// Runs that found no room, over all calls; wraps.
+  std::uint32_t runs_cut() const noexcept { return runs_cut_; }
 
  private:
   struct Run {
@@ -51,6 +54,7 @@ class RegionFinder {
 
   std::vector<Run> runs_;
   std::size_t run_count_ = 0;
+  std::uint32_t runs_cut_ = 0;
   std::vector<std::int32_t> row_start_;  // first run of each row, and one past the last
   std::vector<Region> regions_;
   std::vector<std::int32_t> kept_;  // index of the kept region, or -1

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detect/numbering.h"
 #include "pipeline/report_reason.h"
 #include "pose/observation_of_pose.h"
 
@@ -43,7 +44,7 @@ Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
       detector_(camera, options.landmark, options.detector),
       full_(camera, options.landmark),
       ellipse_(camera, options.landmark, options.ellipse),
-      track_(camera.fx_px) {}
+      track_({camera.fx_px, options.landmark, options.solver == Solver::kFull, options.detector.expected_roll_rad}) {}
 
 Result<std::size_t> Localiser::follow_outlines(const Frame& frame) noexcept {
   const auto untrackable = fail(Errc::kNoLandmark, "its outlines can't be foretold well enough");
@@ -58,14 +59,20 @@ Result<std::size_t> Localiser::follow_outlines(const Frame& frame) noexcept {
 }
 
 Result<std::size_t> Localiser::detect_near_track(const Frame& frame) noexcept {
-  NINEDOT_TRY(const LandmarkObservation seen, detector_.find_landmark_near(frame.luma, track_.sighting()));
+  NINEDOT_TRY(const LandmarkObservation seen,
+              detector_.find_landmark_near(frame.luma, track_.forecast(frame.exposed_at())));
   track_.see(seen);
   return solve(frame, track_.prior());
 }
 
 Result<std::size_t> Localiser::search(const Frame& frame) noexcept {
   track_.lose_pose(false);
-  NINEDOT_TRY(const LandmarkObservation seen, detector_.find_landmark(frame.luma));
+  NINEDOT_TRY(const auto found, detector_.find_landmarks(frame.luma));
+  LandmarkObservation seen = found.front();
+  // Only the priors have numbered it. What was tracked a moment ago keeps its numbers.
+  if (const auto known = track_.remembered(frame.exposed_at()))
+    if (const auto first = first_dot_by_forecast(seen.H_ray_plane, known->H_ray_plane, options_.landmark))
+      seen = renumbered(seen, *first);
   track_.see(seen);
   return solve(frame, nullptr);
 }
@@ -97,6 +104,7 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
   fix_.calibrated = options_.calibrated;
   fix_.solver = options_.solver;
 
+  if (track_.is_numbering_refuted()) track_.reset();
   const bool has_track = options_.tracking && track_.has_sighting();
   Result<std::size_t> chosen = fail(Errc::kNoLandmark, "there is no track");
   if (has_track) chosen = follow_outlines(frame);

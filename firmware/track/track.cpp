@@ -1,5 +1,6 @@
 #include "track/track.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/contract.h"
@@ -11,12 +12,20 @@ namespace {
 // A landmark whose motion is foretold no better than this is found sooner by the detector than by its outlines: half of
 // the reach within which an expectation's first step leads to the outline (pose/outline_refiner.cpp).
 constexpr double kLittleSurprise_px = 0.5;
+constexpr double kUsableSurprise_px = 12;   // the least margin around the window of a search (detect/detector.cpp)
 constexpr double kSettled = 1e-4;           // ambiguity of a track that has told the two planar solutions apart
 constexpr double kOutOfTheQuestion = 1e-9;  // ambiguity: 6.4 sigma; a few frames do not bring that back
 constexpr int kMirrorEvery = 4;             // frames: the glance costs a fifth of a followed frame
 // Times the residual of the frame before, and a bit (what one frame's residual scatters by): something else is in
 // sight.
 constexpr double kWorseFit = 1.5, kBit_px = 0.03;
+
+// For so long the numbers of a landmark's dots are remembered while it is out of sight: in a second a head or a robot
+// that is out of sight does not roll by more than the 8 degrees at which a forecast is still met (detect/numbering.h).
+constexpr std::chrono::seconds kRemembered{1};
+// Odds of 20 to 1: a track that began with a wrong numbering ends when the camera comes to within 2 degrees of level;
+// one that began level is kept up to a roll of 56 degrees.
+constexpr double kRefuted_chi2 = 6;
 
 }  // namespace
 
@@ -37,6 +46,29 @@ CameraFromLandmark Track::expected_at(MonoTime time) const noexcept {
   T.rotation = exp_so3(ahead_s * motion_->rotation_rad_s) * T.rotation;
   T.translation_m += ahead_s * motion_->translation_m_s;
   return T;
+}
+
+LandmarkForecast Track::forecast(MonoTime time) const noexcept {
+  EXPECTS(has_sighting_);
+  if (!has_pose_ || !options_.pose_foretells) return {sighting_, true};
+  // A motion that foretold nothing the last time is none: unrelated pictures, or a pose of another reading.
+  return surprise_px_ < kUsableSurprise_px ? expected_at(time) : prior_.T_camera_landmark;
+}
+
+std::optional<LandmarkForecast> Track::remembered(MonoTime time) const noexcept {
+  if (!has_past_ || time - pose_at_ > kRemembered) return std::nullopt;
+  return LandmarkForecast(prior_.T_camera_landmark);
+}
+
+bool Track::is_numbering_refuted() const noexcept {
+  return has_past_ && numbering_worst_[0] - *std::ranges::min_element(numbering_worst_) > kRefuted_chi2;
+}
+
+void Track::note_numbering() noexcept {
+  const NumberingCosts costs = upright_costs(prior_.T_camera_landmark, options_.landmark, options_.expected_roll_rad);
+  for (std::size_t k = 0; k < costs.size(); ++k)
+    numbering_worst_[k] = has_past_ ? std::max(numbering_worst_[k], costs[k]) : costs[k];
+  has_past_ = true;
 }
 
 bool Track::may_follow_outlines() const noexcept {
@@ -78,12 +110,14 @@ Result<std::size_t> Track::take(PoseCandidates& candidates, bool mirror_was_look
     return fail(Errc::kPoseDegenerate, "the pose or its covariance is not finite");
   }
   note_motion(candidate.pose, exposed_at);
+  if (!remembered(exposed_at)) has_past_ = false;
   has_pose_ = true;
   pose_ = candidate.pose;
   pose_at_ = exposed_at;
   prior_ = {candidate.pose.T_landmark_camera.inverse(), candidate.outlines, candidates.warp_px,
             candidate.pose.ambiguity < kSettled};
   light_smooth_ = candidate.light_smooth;
+  note_numbering();
   if (mirror_was_looked_at) frames_since_mirror_ = 0;
   return chosen;
 }
@@ -106,7 +140,8 @@ void Track::note_motion(const PoseEstimate& pose, MonoTime exposed_at) noexcept 
   const CameraFromLandmark& before = prior_.T_camera_landmark;
   const CameraFromLandmark now = pose.T_landmark_camera.inverse();
   const auto direction = [](const Eigen::Vector3d& p_camera_m) -> Eigen::Vector2d { return p_camera_m.hnormalized(); };
-  surprise_px_ = focal_px_ * (direction(expected_at(exposed_at).translation_m) - direction(now.translation_m)).norm();
+  surprise_px_ =
+      options_.focal_px * (direction(expected_at(exposed_at).translation_m) - direction(now.translation_m)).norm();
   motion_ = Motion{log_so3(now.rotation * before.rotation.transpose()) / since_s,
                    (now.translation_m - before.translation_m) / since_s};
 }

@@ -5,7 +5,9 @@
 #include <optional>
 
 #include "base/mono_time.h"
+#include "detect/forecast.h"
 #include "detect/observation.h"
+#include "geometry/upright_prior.h"
 #include "pose/estimate.h"
 #include "pose/full_solver.h"
 
@@ -15,11 +17,17 @@ namespace ninedot {
 /// certainty that no camera has.
 bool is_publishable(const PoseEstimate& pose) noexcept;
 
+struct TrackOptions {
+  double focal_px = 720;  ///< of the camera
+  LandmarkGeometry landmark{};
+  bool pose_foretells = true;  ///< poses are good enough to say where the outlines will be; else what was seen says it
+  double expected_roll_rad = 0;  ///< of the camera about its optical axis at which P1 is the lowest dot
+};
+
 /// Memory: none. Threads: one caller.
 class Track {
  public:
-  /// \param focal_px  of the camera
-  explicit Track(double focal_px) noexcept : focal_px_(focal_px) {}
+  explicit Track(const TrackOptions& options) noexcept : options_(options) {}
 
   /// The frame before showed the landmark; with a pose, or as dots alone.
   bool has_sighting() const noexcept { return has_sighting_; }
@@ -28,6 +36,12 @@ class Track {
   const PosePrior* prior() const noexcept { return has_pose_ ? &prior_ : nullptr; }
   /// The sheet before the camera, if it goes on as between the last two frames. \pre prior() (contract)
   CameraFromLandmark expected_at(MonoTime time) const noexcept;
+
+  /// Where to look for it. \pre has_sighting() (contract)
+  LandmarkForecast forecast(MonoTime time) const noexcept;
+  /// Where it was last, for the numbers of its dots: a landmark that was out of sight for a moment has not been turned
+  /// by an eighth meanwhile. None: nothing is remembered, or it is too long ago.
+  std::optional<LandmarkForecast> remembered(MonoTime time) const noexcept;
 
   /// Its motion is foretold so well, and its light is so even, that its outlines may be looked for at once.
   bool may_follow_outlines() const noexcept;
@@ -47,6 +61,12 @@ class Track {
   /// The frame gave no pose. \param sighted  but it shows the landmark
   void lose_pose(bool sighted) noexcept;
 
+  /// Another numbering of the dots has become so much likelier over the track's whole way that it must begin anew: a
+  /// camera that would have to lie on its side was numbered wrongly when the track began.
+  bool is_numbering_refuted() const noexcept;
+  /// Forgets everything.
+  void reset() noexcept { *this = Track(options_); }
+
  private:
   /// Per second, in the camera frame.
   struct Motion {
@@ -54,8 +74,9 @@ class Track {
   };
   std::size_t choose(const PoseCandidates& candidates) const noexcept;
   void note_motion(const PoseEstimate& pose, MonoTime exposed_at) noexcept;
+  void note_numbering() noexcept;
 
-  double focal_px_;
+  TrackOptions options_;
   bool has_sighting_ = false;  // sighting_ is of the frame before
   LandmarkObservation sighting_;
 
@@ -67,6 +88,11 @@ class Track {
   std::optional<Motion> motion_;  // between the last two frames, if both had a pose
   double surprise_px_ = 0;        // how far the landmark was from where it was expected
   int frames_since_mirror_ = 0;   // since the mirror image was looked at
+
+  /// What speaks against each numbering, k eighths from the one believed: the worst that upright_costs said of it since
+  /// the track began. The worst and not the sum: a camera that stands askew for an hour says it once.
+  NumberingCosts numbering_worst_{};
+  bool has_past_ = false;  // numbering_worst_, prior_ and pose_at_ are of this track, if it is out of sight
 };
 
 }  // namespace ninedot

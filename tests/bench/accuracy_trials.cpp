@@ -119,12 +119,12 @@ Outcome run_trials(const Condition& condition, int trials, std::uint64_t seed) {
     ++outcome.trials;
     outcome.bound_m += bound->position_m * bound->position_m;
     const test::Picture picture = test::render(scene, trial_seed);
-    const auto seen = detector.find_landmark(picture.view());
+    const auto seen = detector.find_landmarks(picture.view());
     if (!seen) continue;
     ++outcome.found;
-    if (const auto pose = test::best_pose(full.solve(picture.view(), *seen, nullptr)))
+    if (const auto pose = test::best_pose(full.solve(picture.view(), seen->front(), nullptr)))
       full_score.add(scene.camera, *bound, *pose);
-    if (const auto pose = test::best_pose(ellipse.solve(*seen))) ellipse_score.add(scene.camera, *bound, *pose);
+    if (const auto pose = test::best_pose(ellipse.solve(seen->front()))) ellipse_score.add(scene.camera, *bound, *pose);
   }
   if (outcome.trials > 0) outcome.bound_m = std::sqrt(outcome.bound_m / outcome.trials);
   outcome.full = full_score.outcome(), outcome.ellipse = ellipse_score.outcome();

@@ -21,9 +21,9 @@ class FullSearch final : public Contender {
   std::string name() const override { return "ninedot, full search"; }
   bool looks_for_tag() const override { return false; }
   std::optional<Eigen::Vector3d> locate(const ImageView& luma) override {
-    const auto seen = detector_.find_landmark(luma);
+    const auto seen = detector_.find_landmarks(luma);
     if (!seen) return std::nullopt;
-    const auto pose = test::best_pose(solver_.solve(luma, *seen, nullptr));
+    const auto pose = test::best_pose(solver_.solve(luma, seen->front(), nullptr));
     if (!pose) return std::nullopt;
     return pose->T_landmark_camera.translation_m;
   }

@@ -7,6 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "tests/detect/sharpened_spots.h"
+
 namespace ninedot {
 namespace {
 
@@ -73,6 +75,21 @@ TEST(BlobFinder, FindsTheSameBlobInAPartOfThePictureAsInTheWhole) {
   ASSERT_TRUE(a != nullptr && b != nullptr);
   EXPECT_NEAR(a->x_px, b->x_px + 260, 0.02);
   EXPECT_NEAR(a->y_px, b->y_px + 140, 0.02);
+}
+
+TEST(BlobFinder, LetsNoBlobBeNarrowerThanAPixel) {
+  BlobFinder finder(640, 480);
+  BlobList blobs;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const auto pixels = test::sharpened_spots(seed);
+    finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs);
+    for (const Blob& b : blobs) {
+      const double pixel_px2 = 1.0 / 12 * (1 << (2 * b.level));
+      const double narrow_px2 = 0.5 * (b.xx_px2 + b.yy_px2) - std::hypot(0.5 * (b.xx_px2 - b.yy_px2), b.xy_px2);
+      ASSERT_GE(narrow_px2, pixel_px2 * (1 - 1e-4)) << seed << ": " << b.xx_px2 << ' ' << b.xy_px2 << ' ' << b.yy_px2;
+      ASSERT_TRUE(std::isfinite(b.semi_major_px()));
+    }
+  }
 }
 
 TEST(BlobFinder, TakesBlankPaperAndPureNoiseForNothing) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -39,6 +40,21 @@ TEST(BlobGrid, ForgetsWhatWasThereBefore) {
   grid.build(blobs.span());
   grid.build({});
   grid.for_each_near(100, 100, 50, [](std::size_t) { FAIL(); });
+}
+
+TEST(BlobGrid, StaysWithinItsCellsWhateverTheNumbersAre) {
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
+  BlobGrid grid(640, 480);
+  for (const float x_px : {kNaN, kInfinity, -kInfinity, 3e38F, 320.0F})
+    for (const float y_px : {kNaN, kInfinity, -kInfinity, -3e38F, 240.0F}) {
+      BlobList blobs;
+      ASSERT_TRUE(blobs.try_push_back(Blob{x_px, y_px, 10, 1, 0, 1, 0}));
+      grid.build(blobs.span());
+      int named = 0;
+      for (const float reach_px : {kNaN, kInfinity, 1.0F})
+        grid.for_each_near(x_px, y_px, reach_px, [&](std::size_t i) { named += i == 0 ? 1 : 1000; });
+      EXPECT_LE(named, 3) << x_px << ' ' << y_px;
+    }
 }
 
 }  // namespace

@@ -46,9 +46,9 @@ test::Scene scene_at(const test::Viewpoint& viewpoint, double noise_lsb = 1.5) {
 Result<PoseEstimate> pose_of(const test::Picture& picture) {
   Detector detector(CameraModel{}, LandmarkGeometry{});
   FullSolver solver(CameraModel{}, LandmarkGeometry{});
-  const auto seen = detector.find_landmark(picture.view());
+  const auto seen = detector.find_landmarks(picture.view());
   if (!seen) return tl::unexpected<Error>(seen.error());
-  return test::best_pose(solver.solve(picture.view(), *seen, nullptr));
+  return test::best_pose(solver.solve(picture.view(), seen->front(), nullptr));
 }
 
 double median(std::vector<double> values) {
@@ -161,9 +161,9 @@ struct OnePicture {
   explicit OnePicture(const test::Scene& scene) {
     Detector detector(CameraModel{}, LandmarkGeometry{});
     const test::Picture picture = test::render(scene, 1);
-    const auto found = detector.find_landmark(picture.view());
+    const auto found = detector.find_landmarks(picture.view());
     if (!found) return;
-    const auto candidates = solver.solve(picture.view(), *found, nullptr);
+    const auto candidates = solver.solve(picture.view(), found->front(), nullptr);
     if (!candidates) return;
     const PoseCandidate& best = candidates->list[0];
     prior = PosePrior{best.pose.T_landmark_camera.inverse(), best.outlines, candidates->warp_px, true};
@@ -221,11 +221,11 @@ TEST(FullSolverTrack, AsksForADetectorWhenTheLandmarkIsNotQuiteThere) {
 TEST(FullSolver, RefusesAPictureThatShowsNoOutlines) {
   const test::Picture picture = test::render(scene_at({.distance_m = 1}), 1);
   Detector detector(CameraModel{}, LandmarkGeometry{});
-  const auto seen = detector.find_landmark(picture.view());
+  const auto seen = detector.find_landmarks(picture.view());
   ASSERT_TRUE(seen.has_value());
   const std::vector<std::uint8_t> blank(640 * 480, 128);
   FullSolver solver(CameraModel{}, LandmarkGeometry{});
-  const auto pose = test::best_pose(solver.solve({blank.data(), 640, 480, 640}, *seen, nullptr));
+  const auto pose = test::best_pose(solver.solve({blank.data(), 640, 480, 640}, seen->front(), nullptr));
   ASSERT_FALSE(pose.has_value());
   EXPECT_EQ(pose.error().code, Errc::kPoseDegenerate);
 }

@@ -18,7 +18,7 @@ TEST(ObservationOfPose, IsWhatTheDetectorSeesInThePicture) {
         test::look_at_landmark({.distance_m = 1.2, .tilt_rad = tilt_rad, .azimuth_rad = 0.6, .roll_rad = 0.1});
     const test::Picture picture = test::render(scene, 1);
     Detector detector(CameraModel{}, LandmarkGeometry{});
-    const auto seen = detector.find_landmark(picture.view());
+    const auto seen = detector.find_landmarks(picture.view());
     ASSERT_TRUE(seen.has_value());
     const auto& [w, x, y, z] = scene.camera.quaternion_wxyz;
     const Transform<frame::Landmark, frame::Camera> T{Eigen::Quaterniond(w, x, y, z).toRotationMatrix(),
@@ -31,7 +31,7 @@ TEST(ObservationOfPose, IsWhatTheDetectorSeesInThePicture) {
     EXPECT_TRUE(expected.from_pose);
     EXPECT_FALSE(expected.dots[4].seen);
     for (std::size_t i = 0; i < kDotCount; ++i) {
-      const DotObservation &a = expected.dots[i], &b = seen->dots[i];
+      const DotObservation &a = expected.dots[i], &b = seen->front().dots[i];
       EXPECT_LT((a.centroid_px - b.centroid_px).norm(), 0.25) << "dot " << i;
       EXPECT_NEAR(a.semi_major_px, b.semi_major_px, 0.04 * b.semi_major_px + 0.2) << "dot " << i;
       EXPECT_NEAR(a.semi_minor_px, b.semi_minor_px, 0.04 * b.semi_minor_px + 0.2) << "dot " << i;

@@ -49,6 +49,8 @@ std::size_t taken(Track& track, PoseCandidates candidates, MonoTime at, bool loo
   return chosen.value_or(99);
 }
 
+PoseEstimate plausible_pose() { return reading(sheet_at(0.3)).pose; }
+
 TEST(Publishable, IsOnlyAPoseOfFiniteNumbersWithAnUncertainty) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(is_publishable(plausible_pose()));
@@ -66,14 +68,14 @@ TEST(Publishable, IsOnlyAPoseOfFiniteNumbersWithAnUncertainty) {
 }
 
 TEST(Track, KnowsNothingBeforeItsFirstPose) {
-  Track track(kFocal_px);
+  Track track({.focal_px = kFocal_px});
   EXPECT_FALSE(track.has_sighting());
   EXPECT_EQ(track.prior(), nullptr);
   EXPECT_FALSE(track.may_follow_outlines());
 }
 
 TEST(Track, ForetellsAllSixFreedomsFromTheLastTwoPoses) {
-  Track track(kFocal_px);
+  Track track({.focal_px = kFocal_px});
   taken(track, readings({reading(sheet_at(0.30, 0.00))}), MonoTime(1s));
   taken(track, readings({reading(sheet_at(0.32, 0.01))}), MonoTime(1s + 20ms));
   const CameraFromLandmark expected = track.expected_at(MonoTime(1s + 40ms));
@@ -82,7 +84,7 @@ TEST(Track, ForetellsAllSixFreedomsFromTheLastTwoPoses) {
 }
 
 TEST(Track, FollowsOutlinesOnlyWhileTheyAreForetoldToHalfAPixel) {
-  Track track(kFocal_px);
+  Track track({.focal_px = kFocal_px});
   taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));
   EXPECT_TRUE(track.may_follow_outlines()) << "standing still, as far as is known";
   taken(track, readings({reading(sheet_at(0.3, 0.004))}), MonoTime(1s + 20ms));  // 1.4 px from where it was
@@ -97,7 +99,7 @@ TEST(Track, FollowsOutlinesOnlyWhileTheyAreForetoldToHalfAPixel) {
 
 TEST(Track, ChoosesByThePictureWhereThatCanTellAndByContinuityWhereItCannot) {
   const CameraFromLandmark here = sheet_at(0.3), mirror = sheet_at(-0.3);
-  Track track(kFocal_px);
+  Track track({.focal_px = kFocal_px});
   EXPECT_EQ(taken(track, readings({reading(here), reading(mirror, 4)}), MonoTime(1s)), 0U) << "no track: the picture";
   EXPECT_EQ(taken(track, readings({reading(mirror), reading(here, 4)}), MonoTime(2s)), 1U) << "2 sigma: the track";
   EXPECT_EQ(taken(track, readings({reading(mirror), reading(here, 16)}), MonoTime(3s)), 0U) << "4 sigma: the picture";
@@ -105,7 +107,7 @@ TEST(Track, ChoosesByThePictureWhereThatCanTellAndByContinuityWhereItCannot) {
 
 TEST(Track, NeverChoosesAReadingThatWasNotRefined) {
   const CameraFromLandmark here = sheet_at(0.3), mirror = sheet_at(-0.3);
-  Track track(kFocal_px);
+  Track track({.focal_px = kFocal_px});
   taken(track, readings({reading(here)}), MonoTime(1s));
   PoseCandidate rough = reading(here, 1);
   rough.refined = false;
@@ -113,7 +115,7 @@ TEST(Track, NeverChoosesAReadingThatWasNotRefined) {
 }
 
 TEST(Track, KeepsTheLosersOddsUntilTheyAreLookedAtAgain) {
-  Track track(kFocal_px);
+  Track track({.focal_px = kFocal_px});
   PoseCandidates two = readings({reading(sheet_at(0.3)), reading(sheet_at(-0.3), 4)});
   track.see({});
   ASSERT_TRUE(track.take(two, true, MonoTime(1s)).has_value());
@@ -125,14 +127,14 @@ TEST(Track, KeepsTheLosersOddsUntilTheyAreLookedAtAgain) {
 }
 
 TEST(Track, LooksAtAnExcludedMirrorImageEveryFourthFrame) {
-  Track track(kFocal_px);
+  Track track({.focal_px = kFocal_px});
   taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(track.must_look_at_mirror()) << i;
   EXPECT_TRUE(track.must_look_at_mirror());
 }
 
 TEST(Track, RefusesFollowedOutlinesWithFewerDotsOrAWorseFit) {
-  Track track(kFocal_px);
+  Track track({.focal_px = kFocal_px});
   taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));
   PoseCandidate followed = reading(sheet_at(0.3));
   EXPECT_TRUE(track.accepts(followed));
@@ -143,8 +145,39 @@ TEST(Track, RefusesFollowedOutlinesWithFewerDotsOrAWorseFit) {
   EXPECT_FALSE(track.accepts(followed));
 }
 
+/// As a level camera sees the sheet, rolled.
+CameraFromLandmark rolled(double roll_deg) {
+  CameraFromLandmark T = sheet_at(0.3);
+  T.rotation = exp_so3({0, 0, roll_deg * std::numbers::pi / 180}) * T.rotation;
+  return T;
+}
+
+TEST(Track, KeepsItsNumberingThroughARollAndAMomentOutOfSight) {
+  Track track({.focal_px = kFocal_px});
+  for (int i = 0; i <= 50; ++i) taken(track, readings({reading(rolled(i))}), MonoTime(1s + i * 20ms));
+  EXPECT_FALSE(track.is_numbering_refuted()) << "it began level";
+  track.lose_pose(false);
+  ASSERT_TRUE(track.remembered(MonoTime(2s + 500ms)).has_value());
+  EXPECT_FALSE(track.remembered(MonoTime(3s + 500ms)).has_value()) << "too long ago";
+}
+
+TEST(Track, EndsWhenItsNumberingWasWrongFromTheStart) {
+  // At 25 degrees of roll the neighbouring numbering looks like 20 degrees the other way, and was believed.
+  Track track({.focal_px = kFocal_px});
+  int refuted_at_deg = 99;
+  for (int i = 0; i <= 30 && refuted_at_deg == 99; ++i) {
+    taken(track, readings({reading(rolled(-20 - i))}), MonoTime(1s + i * 20ms));
+    if (track.is_numbering_refuted()) refuted_at_deg = 25 - i;
+  }
+  EXPECT_GT(refuted_at_deg, -2);
+  EXPECT_LT(refuted_at_deg, 10);
+  track.reset();
+  EXPECT_FALSE(track.is_numbering_refuted());
+  EXPECT_FALSE(track.remembered(MonoTime(1s)).has_value());
+}
+
 TEST(Track, APoseOfNoUseEndsIt) {
-  Track track(kFocal_px);
+  Track track({.focal_px = kFocal_px});
   taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));
   PoseCandidates broken = readings({reading(sheet_at(0.3))});
   broken.list[0].pose.covariance(2, 2) = 0;
