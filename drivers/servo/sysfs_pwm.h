@@ -66,6 +66,7 @@ class SysfsPanTilt final : public PanTilt {
 
 /// A pulse width [us] as a duration.
 inline std::chrono::nanoseconds pulse_from_us(double us) noexcept {
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): wrong below 0 only, and a pulse has a width
   return std::chrono::nanoseconds(static_cast<std::int64_t>(us * 1e3 + 0.5));
 }
 
