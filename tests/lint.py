@@ -54,8 +54,11 @@ def right_version(tool):
 
 
 def check_format(root):
-    listed = subprocess.run(["git", "ls-files", "-z"], cwd=root, capture_output=True, text=True, check=True).stdout.split("\0")
-    files = [path for path in listed if path.endswith(SOURCE) and os.path.exists(os.path.join(root, path))]
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=root, capture_output=True, text=True, check=False)
+    if listed.returncode != 0:
+        print(f"lint: which sources are tracked, git does not say: {listed.stderr.strip()}", file=sys.stderr)
+        return 2
+    files = [path for path in listed.stdout.split("\0") if path.endswith(SOURCE) and os.path.exists(os.path.join(root, path))]
     if not files:
         print(f"lint: no tracked sources under {root}", file=sys.stderr)
         return 2
