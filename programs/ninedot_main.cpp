@@ -5,6 +5,7 @@
 #include "programs/commands/commands.h"
 #include "programs/program.h"
 
+// NOLINTNEXTLINE(bugprone-exception-escape): CLI11 throws here for a mistake in the declarations below, before any run
 int main(int argc, char** argv) {
   CLI::App app{"Camera pose from a nine-dot landmark: the tools around ninedotd.", "ninedot"};
   app.require_subcommand(1);

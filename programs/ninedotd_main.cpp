@@ -75,6 +75,7 @@ void run_service(const std::string& config_path, bool live) {
 }  // namespace
 }  // namespace ninedot
 
+// NOLINTNEXTLINE(bugprone-exception-escape): CLI11 throws here for a mistake in the declarations below, before any run
 int main(int argc, char** argv) {
   CLI::App app{"Camera pose from a nine-dot landmark, over Modbus.", "ninedotd"};
   std::string config_path;

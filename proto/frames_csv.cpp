@@ -10,7 +10,7 @@
 namespace ninedot {
 namespace {
 
-constexpr std::uint64_t kMaxFrame = 999'999'999;
+constexpr std::uint64_t kMaxFrame = 999'999'999;                      ///< a year at 30 Hz; keeps file names short
 constexpr std::int64_t kMaxTimestamp_ns = 4'000'000'000'000'000'000;  ///< 126 years; leaves room to add to it
 constexpr std::array<std::string_view, 4> kColumns{"frame", "timestamp_ns", "pan_deg", "tilt_deg"};
 enum Column : std::size_t { kFrame, kTimestamp, kPan, kTilt };

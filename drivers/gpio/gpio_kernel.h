@@ -23,12 +23,14 @@ enum class GpioBias { kUnchanged, kPullUp, kPullDown };
 
 struct GpioRequest {
   std::string chip_path;
-  unsigned offset = 0;
+  unsigned offset = 0;  ///< number of the line in its chip, from 0
   bool active_low = false;
   std::string consumer = "ninedot";  ///< what others see as the user of the line
 };
 
 /// One line, ours from the request to the destructor. The kernel takes it back when the process dies, however it dies.
+/// Memory: none after the request. Threads: one at a time for all methods, but `event_fd`: any. Nothing takes a lock of
+/// this process; a line of a processor does not wait, one of an I2C or SPI expander waits for the bus.
 class GpioHandle {
  public:
   virtual ~GpioHandle() = default;
@@ -36,16 +38,16 @@ class GpioHandle {
   virtual int set(bool active) noexcept = 0;
   /// \return  1 active, 0 not, below 0: a negative errno
   virtual int get() noexcept = 0;
-  /// Becomes readable at an edge; of an input only.
+  /// Becomes readable at an edge; of an input only. The descriptor stays the handle's.
   virtual int event_fd() const noexcept = 0;
-  /// Forgets the edges that were seen so far.
+  /// Forgets the edges that were seen so far. Waits for one where there is none: call it when poll() says POLLIN.
   virtual void drop_events() noexcept = 0;
 };
 
-/// All chips, in the order of their paths.
+/// All chips, in the order of their paths. Memory: allocates. Threads: any; waits for the kernel: at start-up.
 std::vector<GpioChip> list_gpio_chips();
 
-/// Null: refused, errno says why.
+/// Null: refused, errno says why. Both requests: memory: allocate. Threads: any; at start-up.
 std::unique_ptr<GpioHandle> request_gpio_output(const GpioRequest& request, bool active);
 /// Watches both edges. Null: refused, errno says why.
 std::unique_ptr<GpioHandle> request_gpio_input(const GpioRequest& request, GpioBias bias);

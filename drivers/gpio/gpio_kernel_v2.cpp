@@ -25,6 +25,7 @@ using RequestConfig = std::unique_ptr<gpiod_request_config, Free<gpiod_request_c
 using LineRequest = std::unique_ptr<gpiod_line_request, Free<gpiod_line_request_release>>;
 using Events = std::unique_ptr<gpiod_edge_event_buffer, Free<gpiod_edge_event_buffer_free>>;
 
+// Taken at once; the kernel keeps as many for a line (gpio_v2_line_request.event_buffer_size, linux/gpio.h).
 constexpr std::size_t kEvents = 16;
 
 gpiod_line_value value_of(bool active) noexcept { return active ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE; }

@@ -3,8 +3,10 @@
 
 namespace ninedot {
 
-/// Degrees Celsius of the kernel's first thermal zone (on single-board computers: the processor); NaN where there is
-/// none. Reads a file: not for the frame path.
+/// The kernel's first thermal zone (on single-board computers: the processor). Reads a file: not for the frame path.
+/// \param path  its file, in thousandths of a degree (Documentation/driver-api/thermal/sysfs-api.rst); a test's own
+/// \return  [degC]; NaN where there is none
+/// Memory: none. Threads: any; waits for the driver of the sensor.
 double read_board_temperature(const char* path = "/sys/class/thermal/thermal_zone0/temp") noexcept;
 
 }  // namespace ninedot

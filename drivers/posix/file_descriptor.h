@@ -8,7 +8,7 @@
 
 namespace ninedot {
 
-/// Move-only; -1 is none.
+/// Move-only; -1 is none. Memory: none. Threads: one at a time.
 class FileDescriptor {
  public:
   FileDescriptor() = default;
@@ -21,6 +21,7 @@ class FileDescriptor {
   ~FileDescriptor() {
     if (fd_ >= 0) ::close(fd_);
   }
+  /// \return  the file descriptor, still owned by this object; -1: none
   int get() const noexcept { return fd_; }
   explicit operator bool() const noexcept { return fd_ >= 0; }
 
@@ -28,11 +29,14 @@ class FileDescriptor {
   int fd_ = -1;
 };
 
-/// Readable once `ring` was called, and for ever after.
+/// Readable once `ring` was called, and for ever after. Memory: none.
 class WakeUp {
  public:
   WakeUp() noexcept : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
+  /// For poll() by whoever is to be woken. Threads: any.
+  /// \return  the file descriptor; -1: none was left
   int get() const noexcept { return fd_.get(); }
+  /// Threads: any, real-time ones too: one write(2) to a counter that never fills, which does not wait.
   void ring() const noexcept {
     const std::uint64_t one = 1;
     // Can't fail: the counter is far from full, and full would be readable as well.

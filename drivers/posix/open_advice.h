@@ -5,6 +5,8 @@
 namespace ninedot {
 
 /// One line: what `error` means for `path`, and what to do; for a missing permission which group to join.
+/// \param error  an errno
+/// Memory: allocates. Threads: one at a time (getgrgid); asks the user database, which may wait.
 std::string open_advice(const std::string& path, int error);
 
 }  // namespace ninedot

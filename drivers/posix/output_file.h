@@ -9,6 +9,7 @@ namespace ninedot {
 /// Writes PATH.tmp beside the wanted file and renames it at `finish`; without `finish` nothing is left behind. Standard
 /// output (empty path or "-") and things that are no regular files (/dev/null, a fifo) are written directly.
 /// Throws StartupError(kWorkFailed) with one line: the file can't be made, the disk is full.
+/// Memory: allocates. Threads: one at a time; everything may wait for the disk.
 class OutputFile {
  public:
   explicit OutputFile(const std::string& path);

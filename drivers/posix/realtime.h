@@ -7,10 +7,11 @@ namespace ninedot {
 /// Runs the frame loop's thread under SCHED_FIFO.
 class RealtimeThread final : public FrameThread {
  public:
-  /// \param priority  1..99, or 0: ordinary scheduling, no complaint from the kernel expected.
+  /// \param priority  1..99, or 0: ordinary scheduling, no complaint from the kernel expected. Threads: any.
   explicit RealtimeThread(int priority) noexcept : priority_(priority) {}
 
-  /// \return  0; EPERM where neither CAP_SYS_NICE nor RLIMIT_RTPRIO allows it; ECANCELED for priority 0.
+  /// Threads: the one that is to become a real-time one, once, before its work begins.
+  /// \return  0, or an errno: EPERM where neither CAP_SYS_NICE nor RLIMIT_RTPRIO allows it; ECANCELED for priority 0.
   int enter() noexcept override;
 
  private:
@@ -20,10 +21,12 @@ class RealtimeThread final : public FrameThread {
 /// Keeps all pages of this process in memory. Pages to come are included where that cannot make a later allocation
 /// fail: as root, or where RLIMIT_MEMLOCK is unlimited.
 /// \return  0, or the errno that says why not (ENOMEM, EPERM: raise RLIMIT_MEMLOCK).
+/// Threads: any, before the frame loop starts; waits until the pages are there.
 int lock_memory() noexcept;
 
 /// Gives threads started from now on a stack of a size that is worth locking (the default of 8 MiB is not).
 /// \return  0 or an errno.
+/// Threads: main, before it starts any other.
 int use_small_thread_stacks() noexcept;
 
 }  // namespace ninedot

@@ -8,7 +8,7 @@
 
 namespace ninedot {
 
-/// Threads: one caller.
+/// Threads: one caller, an ordinary one: every report is a send(2) on a socket, which may wait for the service manager.
 class ServiceManager {
  public:
   ServiceManager() noexcept;

@@ -8,9 +8,11 @@ namespace ninedot {
 /// reader that goes away is no reason to end). Make one before the first thread starts.
 class TerminationSignals {
  public:
+  /// Threads: main, before it starts any other.
   TerminationSignals() noexcept;
 
-  /// Waits at most `timeout`. \return  the signal that asks to end, or 0 when none came.
+  /// Waits at most `timeout`. Threads: any one at a time whose signals are blocked; main does.
+  /// \return  number of the signal that asks to end, or 0 when none came.
   int wait(std::chrono::nanoseconds timeout) const noexcept;
 };
 

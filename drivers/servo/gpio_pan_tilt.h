@@ -21,19 +21,24 @@ struct GpioPanTiltOptions {
   int realtime_priority = 0;                                        ///< SCHED_FIFO 1..99; 0: ordinary
 };
 
+/// Threads: as PanTilt says, and one thread of its own, which shares atomics with the caller and no lock.
 class GpioPanTilt final : public PanTilt {
  public:
-  /// The outputs are driven by the pulse thread alone. Pulses begin at once.
+  /// The outputs are driven by the pulse thread alone. Pulses begin at once. Waits until that thread knows its
+  /// priority.
   GpioPanTilt(std::unique_ptr<DigitalOutput> pan, std::unique_ptr<DigitalOutput> tilt,
               const GpioPanTiltOptions& options, const ServoAxes& axes, const HeadAngles& neutral);
-  /// Ends after the pulse that is under way, with both lines low.
+  /// Ends after the pulse that is under way, with both lines low: waits for it, a period at most.
   ~GpioPanTilt() override;
 
+  /// Two relaxed atomic stores; waits for nothing. The pulse thread may take pan from one call and tilt from the next.
   void move_to(const HeadAngles& angles) noexcept override;
+  /// Nothing: a servo stands where its pulse says.
   void stop() noexcept override {}
+  /// Waits for nothing, but goes through the histogram of widths: some thousand atomic loads.
   HeadState state() const noexcept override;
 
-  /// The errno with which real-time priority was refused; 0: granted, or not asked for.
+  /// The errno with which real-time priority was refused; 0: granted, or not asked for. Threads: any.
   int realtime_refused() const noexcept { return realtime_refused_; }
 
  private:

@@ -9,18 +9,20 @@
 
 namespace ninedot {
 
-/// Memory: inside. Threads: one writer, any number of readers.
+/// Memory: inside. Threads: per method; atomics without a lock, so nobody ever waits and everything is real-time safe.
 class PulseErrors {
  public:
-  /// The last bin holds everything from there on.
-  static constexpr std::size_t kBins = 1000;  // of 1 us
+  /// Bins of 1 us; the last one holds everything from there on. 1 ms is the whole travel of a usual servo.
+  static constexpr std::size_t kBins = 1000;
 
+  /// Threads: one writer.
   void add(std::chrono::nanoseconds error) noexcept {
     const auto size_ns = static_cast<std::uint64_t>(error.count() < 0 ? -error.count() : error.count());
     bins_[std::min<std::size_t>(size_ns / 1000, kBins - 1)].fetch_add(1, std::memory_order_relaxed);
     if (size_ns > max_ns_.load(std::memory_order_relaxed)) max_ns_.store(size_ns, std::memory_order_relaxed);
   }
-  /// The upper edge of the bin below which 99 % lie; 0 without any.
+  /// The upper edge of the bin below which 99 % lie; 0 without any. Threads: any; what is added meanwhile may be
+  /// counted or not.
   std::chrono::nanoseconds p99() const noexcept {
     std::uint64_t count = 0, below = 0;
     for (const auto& bin : bins_) count += bin.load(std::memory_order_relaxed);
@@ -31,6 +33,7 @@ class PulseErrors {
     }
     return max();
   }
+  /// The largest so far, of either sign; 0 without any. Threads: any.
   std::chrono::nanoseconds max() const noexcept {
     return std::chrono::nanoseconds(max_ns_.load(std::memory_order_relaxed));
   }

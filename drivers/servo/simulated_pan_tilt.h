@@ -4,6 +4,7 @@
 
 namespace ninedot {
 
+/// Memory: inside. Threads: one caller for all methods; nothing waits.
 class SimulatedPanTilt : public PanTilt {
  public:
   SimulatedPanTilt(const ServoAxes& axes, const HeadAngles& neutral) noexcept : axes_(axes) { move_to(neutral); }

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// udev gives an exported channel to its group a moment after it appeared.
+// udev gives an exported channel to its group a moment after it appeared; two seconds are generous.
 constexpr std::chrono::milliseconds kExportTakes{2000};
 
 [[noreturn]] void refuse(const std::string& what) { throw StartupError(ExitStatus::kWrongUsage, what); }

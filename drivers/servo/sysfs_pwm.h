@@ -10,6 +10,7 @@
 namespace ninedot {
 
 /// One channel: exported and running from construction on, stopped and given back by the destructor.
+/// Threads: one at a time for all methods. Constructor and destructor wait for the kernel and for udev.
 class SysfsPwm {
  public:
   /// \param chip  the name of the chip's device, where its link /sys/class/pwm/pwmchipN/device points to:
@@ -22,7 +23,8 @@ class SysfsPwm {
   SysfsPwm(const SysfsPwm&) = delete;
   SysfsPwm& operator=(const SysfsPwm&) = delete;
 
-  /// Writes one number to the kernel; nothing when it is the one before. Memory: none. \return  0 or an errno
+  /// Writes one number to the kernel; nothing when it is the one before. A processor's own PWM does not wait; a chip
+  /// behind I2C (PCA9685) waits for the bus. Memory: none. \return  0 or an errno
   int set_pulse(std::chrono::nanoseconds pulse) noexcept;
 
  private:
@@ -46,12 +48,14 @@ struct SysfsPanTiltOptions {
   std::chrono::nanoseconds period = std::chrono::milliseconds(20);
 };
 
+/// Threads: as PanTilt says; `move_to` may wait as SysfsPwm::set_pulse does, twice.
 class SysfsPanTilt final : public PanTilt {
  public:
   SysfsPanTilt(const SysfsPanTiltOptions& options, const ServoAxes& axes, const HeadAngles& neutral);
   void move_to(const HeadAngles& angles) noexcept override;
   /// A servo stands where its pulse says; nothing is under way that could be ended.
   void stop() noexcept override {}
+  /// Waits for nothing, asks nobody.
   HeadState state() const noexcept override { return state_; }
 
  private:
@@ -62,6 +66,7 @@ class SysfsPanTilt final : public PanTilt {
 
 /// A pulse width [us] as a duration.
 inline std::chrono::nanoseconds pulse_from_us(double us) noexcept {
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): wrong below 0 only, and a pulse has a width
   return std::chrono::nanoseconds(static_cast<std::int64_t>(us * 1e3 + 0.5));
 }
 

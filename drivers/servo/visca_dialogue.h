@@ -35,7 +35,8 @@ enum class ViscaProblem : std::uint8_t {
   kZoom,          ///< the lens does not get where it should
 };
 
-/// Memory: inside. Threads: one.
+/// Memory: inside, but for the copy of the options. Threads: one at a time for all methods: main while ViscaPanTilt
+/// starts, then its thread. Nothing waits.
 class ViscaDialogue {
  public:
   /// \param options  within their ranges (contract)
@@ -61,7 +62,7 @@ class ViscaDialogue {
 
   /// As reported last; {0, 0} before the first time.
   const ViscaPosition& position() const noexcept { return position_; }
-  /// As reported last. Asked for when the options have one.
+  /// [steps], as reported last. Asked for when the options have one.
   std::optional<int> zoom() const noexcept { return zoom_; }
   /// In the chain; none before they were counted.
   std::optional<int> cameras() const noexcept { return cameras_; }

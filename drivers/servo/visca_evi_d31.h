@@ -10,7 +10,7 @@
 
 namespace ninedot {
 
-inline constexpr int kEviD31MaxZoom = 0x3FF;
+inline constexpr int kEviD31MaxZoom = 0x3FF;  ///< [steps]
 
 /// The two ends that are documented. Between them the lens does not follow a straight line: measure what you use.
 inline constexpr std::array<ZoomPoint, 2> kEviD31Zoom = {{{0, 5.4}, {kEviD31MaxZoom, 64.8}}};

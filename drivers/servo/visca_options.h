@@ -15,8 +15,8 @@ struct ViscaOptions {
   int address = 1;      ///< 1..7: the camera's place in the chain, 1 is next to the computer
   int pan_speed = 24;   ///< 1..24, top speed of a motion
   int tilt_speed = 20;  ///< 1..20
-  /// Set at the start and after each reconnection, and read back: the calibration holds for one zoom only. Within
-  /// `zoom_table`. None: the camera keeps what it has.
+  /// [steps], set at the start and after each reconnection, and read back: the calibration holds for one zoom only.
+  /// Within `zoom_table`. None: the camera keeps what it has.
   std::optional<int> zoom;
   std::vector<ZoomPoint> zoom_table{kEviD31Zoom.begin(), kEviD31Zoom.end()};  ///< as ViscaZoomTable takes it
   int zoom_tolerance = 8;  ///< [steps], >= 0; a reading this close is the zoom that was asked for (1/128 of the range)

@@ -10,6 +10,7 @@
 namespace ninedot {
 namespace {
 
+// Sony's manual (visca_packet.h): 8x is to camera x, 88 to all, FF ends a packet; numbers go four bits to a byte.
 constexpr std::uint8_t kBroadcast = 0x88, kEnd = 0xFF, kFromController = 0x80;
 constexpr std::size_t kNibbles = 4;
 

@@ -11,7 +11,7 @@
 
 namespace ninedot {
 
-inline constexpr std::size_t kMaxViscaPacket = 16;
+inline constexpr std::size_t kMaxViscaPacket = 16;  ///< [bytes]
 inline constexpr int kMinViscaAddress = 1, kMaxViscaAddress = 7;
 /// A camera executes two commands at a time, each in a "socket" that its ACK names.
 inline constexpr int kViscaSockets = 2;
@@ -41,8 +41,8 @@ ViscaPacket encode_visca_cancel(int address, int socket) noexcept;
 inline constexpr int kMaxViscaPanSpeed = 24, kMaxViscaTiltSpeed = 20;
 /// On an EVI-D31 a pan speed of 1 is 3.3 deg/s, 24 is 80 deg/s; a tilt speed of 1 is 2.5 deg/s, 20 is 50 deg/s.
 struct ViscaSpeeds {
-  int pan = kMaxViscaPanSpeed;    ///< 1..24 (contract)
-  int tilt = kMaxViscaTiltSpeed;  ///< 1..20 (contract)
+  int pan = kMaxViscaPanSpeed;    ///< part of the fastest, 1..24 (contract)
+  int tilt = kMaxViscaTiltSpeed;  ///< part of the fastest, 1..20 (contract)
 };
 struct ViscaPosition {
   std::int16_t pan_steps = 0;   ///< positive to the right
@@ -55,7 +55,7 @@ ViscaPacket encode_visca_move(int address, const ViscaSpeeds& speeds, const Visc
 ViscaPacket encode_visca_stop(int address, const ViscaSpeeds& speeds) noexcept;
 /// Pan-tiltPosInq.
 ViscaPacket encode_visca_position_inquiry(int address) noexcept;
-/// CAM_Zoom Direct. \param zoom  0..0xFFFF (contract)
+/// CAM_Zoom Direct. \param zoom  [steps] 0..0xFFFF (contract)
 ViscaPacket encode_visca_zoom(int address, int zoom) noexcept;
 /// CAM_ZoomPosInq.
 ViscaPacket encode_visca_zoom_inquiry(int address) noexcept;
@@ -87,7 +87,7 @@ struct ViscaReply {
   ViscaFault fault = ViscaFault::kUnknown;
   int cameras = 0;  ///< in the chain
   ViscaPosition position;
-  int zoom = 0;
+  int zoom = 0;  ///< [steps]
 };
 
 /// \param packet  with its FF
@@ -96,7 +96,7 @@ std::optional<ViscaReply> decode_visca_reply(std::span<const std::uint8_t> packe
 
 /// Finds the packets in what a line delivers, however it was cut or merged. Everything between two packets is dropped:
 /// a byte of 80..FE begins one (no other byte of a camera's answers has its top bit set), FF ends it.
-/// Memory: inside. Threads: one.
+/// Memory: inside. Threads: one at a time for all methods; nothing waits.
 class ViscaStream {
  public:
   /// \return  a packet that this byte ends, FF included; it stays until the next call

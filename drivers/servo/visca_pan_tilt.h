@@ -20,28 +20,33 @@ namespace ninedot {
 
 /// After a time-out, and when the serial port has vanished, the port is opened anew after a wait that doubles from one
 /// attempt to the next; addresses, zoom and the newest target are set again.
+///
+/// Threads: as PanTilt says, and one thread of its own, an ordinary one. The two share lock-free atomics of one word
+/// each and an eventfd: neither ever waits for the other. Memory: the constructor's.
 class ViscaPanTilt final : public PanTilt {
  public:
   /// Sets addresses and zoom, asks for the position, and sends the head to `neutral` without waiting for its arrival.
   /// \param axes  angles to steps as the camera counts them
+  /// Waits for the camera: as long as its lens takes, zoom_timeout at most.
   /// Throws StartupError, one line that says what to do: kWrongUsage for an option out of its range and for a port that
   /// can't be opened; kWorkFailed when no camera answers within answer_timeout, or the lens does not reach its zoom.
   ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes, const HeadAngles& neutral);
-  /// A motion under way goes on to its target.
+  /// A motion under way goes on to its target. Waits for the thread, which waits for nobody by then.
   ~ViscaPanTilt() override;
 
-  /// Leaves the target for the thread: an atomic store and at most one write to an eventfd.
+  /// Leaves the target for the thread: an atomic store and at most one write to an eventfd, which does not wait.
   void move_to(const HeadAngles& angles) noexcept override;
+  /// The same.
   void stop() noexcept override;
   /// Angles: as the head reported them last. Failed: no answer for answer_timeout, the port is gone, or the newest
-  /// command was refused.
+  /// command was refused. Atomic loads.
   HeadState state() const noexcept override;
 
-  /// The lens as it was read back; none unless the options set a zoom.
+  /// The lens as it was read back [steps]; none unless the options set a zoom. Threads: any; an atomic load.
   std::optional<int> zoom() const noexcept;
-  /// Of that zoom, by the options' table.
+  /// Of that zoom, by the options' table. Threads: any.
   std::optional<double> focal_length_mm() const noexcept;
-  /// How often the camera was lost.
+  /// How often the camera was lost. Threads: any.
   std::uint64_t losses() const noexcept { return losses_.load(std::memory_order_relaxed); }
 
  private:
@@ -74,7 +79,8 @@ class ViscaPanTilt final : public PanTilt {
   std::thread thread_;
 };
 
-/// Opens the port and closes it again, without a word to the camera. Throws as ViscaPanTilt does.
+/// Opens the port and closes it again, without a word to the camera. Throws as ViscaPanTilt does. Threads: any; at
+/// start-up.
 void check_visca_port(const std::string& device);
 
 }  // namespace ninedot

@@ -11,7 +11,8 @@
 
 namespace ninedot {
 
-/// Open from construction to destruction; bytes not sent by then are dropped. Nothing here waits.
+/// Open from construction to destruction; bytes not sent by then are dropped.
+/// Memory: none after `open`. Threads: one at a time for all methods. Nothing here waits.
 class ViscaTty {
  public:
   /// \error  kIo: os_errno; ENOTTY: `device` is no serial line; EBUSY: another program has it
@@ -21,7 +22,7 @@ class ViscaTty {
   ViscaTty& operator=(ViscaTty&&) noexcept = default;
   ~ViscaTty();
 
-  /// For poll().
+  /// \return  the file descriptor, for poll()
   int get() const noexcept { return fd_.get(); }
   /// \return  false: the line is lost, or it did not take the packet whole
   bool try_send(std::span<const std::uint8_t> packet) noexcept;

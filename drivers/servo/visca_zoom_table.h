@@ -12,10 +12,11 @@ struct ZoomPoint {
   double focal_length_mm = 0;
 };
 
-/// Piecewise linear between the points; at and beyond an end, that end's. Memory: inside. Threads: pure.
+/// Piecewise linear between the points; at and beyond an end, that end's. Memory: inside. Threads: never changed after
+/// construction, so any may call anything; nothing waits.
 class ViscaZoomTable {
  public:
-  static constexpr std::size_t kMaxPoints = 32;
+  static constexpr std::size_t kMaxPoints = 32;  ///< room for one every 33 of an EVI-D31's 1024 steps
 
   /// What is wrong with a table; empty: nothing. It needs 2 to kMaxPoints points of 0..65535 whose positions and focal
   /// lengths, beginning above 0, rise strictly.
@@ -24,8 +25,11 @@ class ViscaZoomTable {
   /// \param points  without a problem (contract)
   explicit ViscaZoomTable(std::span<const ZoomPoint> points) noexcept;
 
+  /// \param zoom  [steps]
   double focal_length_mm_at(int zoom) const noexcept;
+  /// The two ends [steps].
   int min_zoom() const noexcept { return points_[0].zoom; }
+  /// [steps]
   int max_zoom() const noexcept { return points_[count_ - 1].zoom; }
 
  private:

@@ -10,7 +10,8 @@
 namespace ninedot {
 namespace {
 
-// A longer pause between two steps (a lost camera) must not become a jump afterwards.
+// A longer pause between two steps (a lost camera) must not become a jump afterwards. Three frames at 30 Hz: shorter,
+// and a frame or two that went missing would slow the head down.
 constexpr std::chrono::duration<double> kLongestStep{0.1};
 
 Eigen::Vector3d forward_left_up(const Eigen::Vector3d& v_camera) noexcept {

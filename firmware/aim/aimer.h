@@ -24,7 +24,7 @@ struct AimOptions {
   double gain = 0.5;           ///< part of the deviation that one step takes away, (0, 1]
 };
 
-/// What the head is to do.
+/// What the head is to do. Trivially copyable: it comes to the frame loop from other threads.
 struct AimOrder {
   bool follow = true;    ///< keep the landmark in the middle; else go to `set_point` and stay there
   HeadAngles set_point;  ///< saturates at the limits
@@ -46,10 +46,12 @@ struct AimStep {
 /// camera's own direction `centre_camera`. Exact for a head whose two axes meet in the optical centre, or for a target
 /// that is far compared with their distance.
 /// \param target_camera, centre_camera  frame camera, any length > 0, centre_camera within 90 deg of the optical axis
+/// Memory: none. Threads: pure.
 HeadAngles angles_towards(const Eigen::Vector3d& target_camera, const Eigen::Vector3d& centre_camera,
                           const HeadAngles& head) noexcept;
 
-/// Memory: none. Threads: one caller.
+/// Memory: inside. Threads: one caller, the frame loop, for all methods; nothing waits, all are real-time safe. What
+/// others want of the head reaches it as the AimOrder of a step.
 class Aimer {
  public:
   Aimer(const CameraModel& camera, const AimOptions& options) noexcept;
@@ -74,7 +76,7 @@ class Aimer {
   Eigen::Vector3d centre_camera_;  // the direction of the picture's middle
   HeadAngles command_;
   MonoTime stepped_at_{};
-  std::array<Past, 32> past_{};  // about a second of frames: longer than any latency that a pose may be used with
+  std::array<Past, 32> past_{};  // 0.9 s of frames at 35 Hz: longer than any latency that a pose may be used with
   std::size_t newest_ = 0;
 };
 

@@ -15,23 +15,26 @@ struct AxisPoint {
 };
 
 /// Piecewise linear between the points of a calibration, and on beyond its ends; cut at the output's limits.
-/// Memory: inside. Threads: pure.
+/// Memory: inside. Threads: never changed after construction, so any may call anything; nothing waits.
 class ServoAxis {
  public:
-  static constexpr std::size_t kMaxPoints = 32;
+  static constexpr std::size_t kMaxPoints = 32;  ///< room for one every 3 deg of 90
 
   /// What is wrong with a calibration; empty: nothing. It needs 2 to kMaxPoints points whose angles rise strictly and
   /// whose outputs rise or fall strictly.
   static std::string problem_of(std::span<const AxisPoint> points);
 
-  /// \param points  without a problem (contract) \param min_output, max_output  in this order (contract)
+  /// \param points  without a problem (contract)
+  /// \param min_output, max_output  [us] or [steps], in this order (contract)
   ServoAxis(std::span<const AxisPoint> points, double min_output, double max_output) noexcept;
 
   struct Output {
-    double value = 0;
-    bool limited = false;
+    double value = 0;      ///< [us] or [steps]
+    bool limited = false;  ///< cut at a limit
   };
   Output output_at(double angle_rad) const noexcept;
+  /// \param output  [us] or [steps]
+  /// \return  [rad]
   double angle_at(double output) const noexcept;
 
  private:
@@ -40,6 +43,7 @@ class ServoAxis {
   double min_output_, max_output_;
 };
 
+/// Threads: as ServoAxis.
 struct ServoAxes {
   ServoAxis pan, tilt;
 };

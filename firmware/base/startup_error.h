@@ -1,5 +1,5 @@
 #pragma once
-/// The only exception of the project: start-up can't go on. Thrown in drivers/ and app/, caught once in `main`.
+/// The only exception of the project: start-up can't go on. Thrown in drivers/ and programs/, caught once in `main`.
 #include <stdexcept>
 #include <string>
 

@@ -4,7 +4,8 @@
 
 namespace ninedot {
 
-inline constexpr double kRadPerDeg = std::numbers::pi / 180, kDegPerRad = 180 / std::numbers::pi;
-inline constexpr double kMetresPerMm = 1e-3;
+inline constexpr double kRadPerDeg = std::numbers::pi / 180,
+                        kDegPerRad = 180 / std::numbers::pi;  ///< [rad/deg], [deg/rad]
+inline constexpr double kMetresPerMm = 1e-3;                  ///< [m/mm]
 
 }  // namespace ninedot

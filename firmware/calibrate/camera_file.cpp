@@ -17,7 +17,7 @@
 namespace ninedot {
 namespace {
 
-constexpr int kMaxSide_px = 8192;
+constexpr int kMaxSide_px = 8192;  // as [camera] width_px and height_px of the configuration
 /// Focal lengths beyond these multiples of the width are no lenses, but millimetres or typing errors.
 constexpr double kMinFocalPerWidth = 0.1;
 constexpr double kMaxFocalPerWidth = 100;

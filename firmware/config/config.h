@@ -51,9 +51,13 @@ struct PoseConfig {
   double max_ambiguity = 0.7;   ///< `max_ambiguity`: 0..1; above, the status bit `ambiguous` is set
 };
 
-/// [pose.ellipse]: what the founding paper calibrates
+/// [pose.ellipse]: what the founding paper calibrates; all zero = nothing was calibrated
 struct EllipseConfig {
-  double kmm_mm_per_px = 0, p1 = 0, p2 = 0, p3 = 0, cu = 0, cv = 0;
+  double kmm_mm_per_px = 0;  ///< `kmm_mm_per_px`: 0 = not calibrated; millimetres per pixel of the sensor
+  double p1 = 0;             ///< `p1`: -1..1 [mm/px]; F(D') = p1 + p2 D'^p3, equation (9), D' in mm
+  double p2 = 0;             ///< `p2`: -1e6..1e6 [mm/px], of a D' of 1 mm
+  double p3 = 0;             ///< `p3`: -10..10 [1]
+  double cu = 0, cv = 0;     ///< `cu`, `cv`: -1..1 [1/px^2]; off-centre correction, equations (32) and (33)
 };
 
 /// [pan_tilt.pan], [pan_tilt.tilt]
@@ -80,7 +84,7 @@ struct PanTiltConfig {
   int pulse_priority = 60;      ///< `pulse_priority`: gpio: 0 (off)..99, SCHED_FIFO of the thread that makes pulses
   std::string device;           ///< `device`: visca: serial port
   int address = 1;              ///< `address`: visca: 1..7
-  int zoom = -1;                ///< `zoom`: visca: 0..1023, set at the start; -1 = left as it is
+  int zoom = -1;                ///< `zoom`: visca: 0..1023 [steps], set at the start; -1 = left as it is
   HeadAxisConfig pan, tilt;
   PanTiltConfig() { tilt.channel = 1; }
 };

@@ -9,8 +9,8 @@ namespace {
 
 // The smallest length of a landmark: a tenth of a millimetre is beyond any printer and any camera.
 constexpr double kMinLength_mm = 0.1;
-constexpr double kMaxLength_mm = 10000;
-constexpr double kMaxPosition_mm = 1e7;  // 10 km
+constexpr double kMaxLength_mm = 10000;  // 10 m: more is metres taken for millimetres, or a typing error
+constexpr double kMaxPosition_mm = 1e7;  // 10 km, a large site; the 32-bit registers end at 2.1 km
 
 // A macro keeps the table one line per key: a captureless lambda cannot be written shorter.
 #define SLOT(member) [](Config& config) -> ConfigSlot { return &config.member; }

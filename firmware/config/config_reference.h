@@ -26,7 +26,7 @@ struct ConfigKey {
   std::string_view table;  ///< "camera"; "landmarks" is the array of tables [[landmarks]]
   std::string_view name;
   std::string_view unit;     ///< empty: none
-  double min = 0, max = 0;   ///< of numbers, both allowed
+  double min = 0, max = 0;   ///< [unit] of numbers, both allowed
   std::string_view choices;  ///< of words, separated by '|'; empty: any text
   std::string_view meaning;  ///< one line of Markdown
   /// \param config  for [[landmarks]] its last landmark is meant

@@ -27,6 +27,7 @@ using Vector3 = Eigen::Vector3d;
 constexpr double kSmallSpan_px = 100;       // of the frame: below, the cut-out shows more than the frame does
 constexpr double kInsetMargin = 1.45;       // side of the cut-out over the span of the landmark: room for the labels
 constexpr double kAxisLength_radii = 0.75;  // of the ring: the tips end before the ring dots and hide none
+// Every 2.5 deg, first = last: a chord is off by 2.4e-4 of the radius, 0.24 px at a radius of 1000.
 constexpr std::size_t kCirclePoints = 145;
 
 using Circle = std::array<Vector3, kCirclePoints>;

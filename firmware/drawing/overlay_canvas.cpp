@@ -7,11 +7,11 @@
 namespace ninedot::overlay {
 namespace {
 
-constexpr int kFractionBits = 4;  // of OpenCV's drawing coordinates
-constexpr double kNearest_m = 1e-3;
+constexpr int kFractionBits = 4;  // of OpenCV's drawing coordinates: a sixteenth of a pixel is less than the eye sees
+constexpr double kNearest_m = 1e-3;            // 1/z stays finite, and nothing is seen from so near
 constexpr double kFarthestOutside_px = 20000;  // OpenCV's fixed-point coordinates overflow some way beyond
 
-constexpr double kShortest_px = 2.5;
+constexpr double kShortest_px = 2.5;  // by eye: see draw_chain
 
 // OpenCV's FONT_HERSHEY_DUPLEX at scale 1 has capitals of 21 px (cv::getTextSize).
 constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;

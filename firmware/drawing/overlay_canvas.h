@@ -26,8 +26,8 @@ class Projector {
   Projector(const CameraModel& camera, const Transform<frame::Landmark, frame::Camera>& T_landmark_camera)
       : camera_(camera), T_camera_landmark_(T_landmark_camera.inverse()) {}
 
-  /// Nothing for a point behind the camera, beyond the field in which the lens model is one-to-one, or so far outside
-  /// of the picture that drawing it means nothing.
+  /// \return  frame pixels [px]; nothing for a point behind the camera, beyond the field in which the lens model is
+  /// one-to-one, or so far outside of the picture that drawing it means nothing.
   std::optional<Eigen::Vector2d> operator()(const Eigen::Vector3d& p_landmark_m) const;
 
  private:

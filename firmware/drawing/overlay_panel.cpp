@@ -15,7 +15,7 @@ namespace ninedot::overlay {
 namespace {
 
 constexpr double kLeft_units = 30, kValue_units = 258, kSigma_units = 410;  // label from; value and sigma up to
-constexpr double kRow_units = 31, kTextSize_units = 14;
+constexpr double kRow_units = 31, kTextSize_units = 14;                     // chosen by eye
 
 /// Writes rows from the top to the bottom of a panel.
 class Rows {

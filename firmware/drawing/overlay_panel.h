@@ -9,7 +9,7 @@ namespace ninedot::overlay {
 /// Everything in the panel is laid out in units; one unit is a 960th of the least height that holds all of it.
 inline constexpr double kPanelWidth_units = 440, kPanelHeight_units = 960;
 
-/// Where the magnified cut-out of a small landmark goes: a square.
+/// Where the magnified cut-out of a small landmark goes: a square, the panel's width without the margins of its text.
 inline constexpr double kInsetLeft_units = 30, kInsetTop_units = 468, kInsetSide_units = 380;
 
 /// What the report says in one line, for the reader who sees no landmark marked.

@@ -18,11 +18,12 @@ namespace ninedot {
 namespace {
 
 constexpr double kPrinterMargin_mm = 5;  // few office printers reach closer to the edge
+// Above: the arrow, and 2 to the sheet. Below: 12 to the bar, five lines of 5, and the printer's margin.
 constexpr double kTopBand_mm = 18, kBottomBand_mm = 44;
-constexpr double kScaleBar_mm = 100, kNarrowestPaper_mm = 130;
-constexpr double kLargestPaper_mm = 5000;  // a PDF page ends at 14400 points = 5080 mm
-constexpr double kLargestLength_mm = 10000;
-constexpr PageColour kBlack{0, 0, 0}, kCutGrey{0.6, 0.6, 0.6};
+constexpr double kScaleBar_mm = 100, kNarrowestPaper_mm = 130;  // the bar, and 15 on both sides
+constexpr double kLargestPaper_mm = 5000;                       // a PDF page ends at 14400 points = 5080 mm
+constexpr double kLargestLength_mm = 10000;                     // as [landmark] of the configuration
+constexpr PageColour kBlack{0, 0, 0}, kCutGrey{0.6, 0.6, 0.6};  // seen by who cuts, too light for a dot
 
 constexpr double kLeastWhite_radii = 0.9;  // beside the ring dots, in dot radii: what the paper must leave
 
@@ -145,7 +146,7 @@ void add_cut_lines(PatternPage& page, const PagePoint& middle, double side_mm) {
   const double left = middle.x_mm - side_mm / 2, right = middle.x_mm + side_mm / 2;
   const double top = middle.y_mm - side_mm / 2, bottom = middle.y_mm + side_mm / 2;
   const double from = std::max(left, kPrinterMargin_mm), to = std::min(right, right_end_mm);
-  constexpr double kWidth_mm = 0.15;
+  constexpr double kWidth_mm = 0.15;  // two dots of a 300 dpi printer
   for (const double y : {top, bottom}) page.items.emplace_back(PageLine{{from, y}, {to, y}, kWidth_mm, kCutGrey});
   if (left < kPrinterMargin_mm) return;
   for (const double x : {left, right}) page.items.emplace_back(PageLine{{x, top}, {x, bottom}, kWidth_mm, kCutGrey});
@@ -159,7 +160,7 @@ void add_up_arrow(PatternPage& page) {
 }
 
 void add_scale_bar(PatternPage& page, const PagePoint& left) {
-  constexpr double kWidth_mm = 0.25;
+  constexpr double kWidth_mm = 0.25;  // one of the line widths of ISO 128
   page.items.emplace_back(PageLine{left, {left.x_mm + kScaleBar_mm, left.y_mm}, kWidth_mm, kBlack});
   for (int i = 0; i <= 10; ++i) {
     const double x = left.x_mm + kScaleBar_mm * i / 10;

@@ -23,7 +23,7 @@ struct PagePoint {
   double x_mm = 0, y_mm = 0;
 };
 
-/// Parts of 0..1.
+/// Each a part of the brightest [1], 0..1.
 struct PageColour {
   double red = 0, green = 0, blue = 0;
 };

@@ -13,7 +13,7 @@
 namespace ninedot {
 namespace {
 
-constexpr double kPointsPerMm = 72 / 25.4;
+constexpr double kPointsPerMm = 72 / 25.4;  // PDF's unit is 1/72 inch (ISO 32000-1, 8.3.2.3)
 
 template <typename... Kinds>
 struct Overloaded : Kinds... {

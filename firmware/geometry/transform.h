@@ -14,9 +14,10 @@ struct World {};     ///< Z up
 /// p_to = rotation * p_from + translation_m. A wrong product does not compile.
 template <typename To, typename From>
 struct Transform {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();   ///< rotation matrix [1]: columns are From's axes in To
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();  ///< the origin of `From`, in `To` [m]
 
+  /// The point in `To` [m].
   Eigen::Vector3d operator*(const Eigen::Vector3d& p_from_m) const noexcept {
     return rotation * p_from_m + translation_m;
   }
@@ -54,7 +55,7 @@ inline Eigen::Matrix3d exp_so3(const Eigen::Vector3d& rotation_rad) noexcept {
   return Eigen::AngleAxisd(angle_rad, rotation_rad / angle_rad).toRotationMatrix();
 }
 
-/// Rotation vector [rad] of a rotation matrix, angle in [0, pi].
+/// Rotation vector [rad], angle in [0, pi]. \param R  rotation matrix [1]
 inline Eigen::Vector3d log_so3(const Eigen::Matrix3d& R) noexcept {
   const Eigen::AngleAxisd angle_axis(R);
   return angle_axis.angle() * angle_axis.axis();

@@ -3,19 +3,23 @@
 
 namespace ninedot {
 
-/// Memory: none. Threads: one caller.
+/// Memory: none after construction. Threads: one at a time, whoever owns it: the pulse thread for a servo's line, main
+/// for an indicator.
 class DigitalOutput {
  public:
-  /// The destructor gives the line back to the kernel.
+  /// Gives the line back to the kernel. Threads: the owner's, after the last `set`.
   virtual ~DigitalOutput() = default;
-  /// \return  0 or an errno
+  /// One call to the kernel, which does not wait on the lines of a processor; on those of an I2C or SPI expander it
+  /// waits for the bus. \return  0 or an errno
   virtual int set(bool active) noexcept = 0;
 };
 
-/// Never waits: for the frame path. Threads: any.
+/// Memory: none after construction.
 class DigitalInput {
  public:
+  /// Threads: the owner's, when nobody asks any more. May wait for a thread of its own to end.
   virtual ~DigitalInput() = default;
+  /// As last seen. Threads: any, at the same time too; never waits: for the frame path.
   virtual bool is_active() const noexcept = 0;
 };
 

@@ -3,10 +3,12 @@
 
 namespace ninedot {
 
+/// Threads: one object for one thread; nothing is shared.
 class FrameThread {
  public:
   virtual ~FrameThread() = default;
   /// Makes the calling thread a real-time one and touches its stack, so that no page of it is missing later.
+  /// Threads: the frame loop's own, once, before its first frame; not real-time safe itself (it brings pages in).
   /// \return  0, or the errno that says why the thread runs without real-time priority.
   virtual int enter() noexcept = 0;
 };

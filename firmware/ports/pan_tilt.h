@@ -6,6 +6,7 @@
 
 namespace ninedot {
 
+/// Trivially copyable: it crosses threads inside a report.
 struct HeadState {
   HeadAngles angles;     ///< where the head stands: as reported by it, else as it was last told
   bool limited = false;  ///< the last command was beyond a pulse limit and was cut there
@@ -14,14 +15,20 @@ struct HeadState {
   std::chrono::nanoseconds pulse_error_p99{}, pulse_error_max{};
 };
 
-/// The constructor brings the head to its neutral position. Memory: none after construction. Threads: one caller.
+/// The constructor brings the head to its neutral position. Memory: none after construction.
+///
+/// Threads: main constructs and destroys it, before the frame loop begins and after it has ended; both may wait for the
+/// device. In between `move_to`, `stop` and `state` belong to one caller, the frame loop; the first two
+/// once the report is out. None of them waits for a lock or for another thread; what else one may wait for, each
+/// implementation says.
 class PanTilt {
  public:
   virtual ~PanTilt() = default;
-  /// Goes there; does not wait for a slow device. Beyond the limits of its hardware it saturates.
+  /// Goes there; does not wait for the head to arrive. Beyond the limits of its hardware it saturates.
   virtual void move_to(const HeadAngles& angles) noexcept = 0;
   /// Ends a motion that is under way.
   virtual void stop() noexcept = 0;
+  /// What is known now; asks no device.
   virtual HeadState state() const noexcept = 0;
 };
 
