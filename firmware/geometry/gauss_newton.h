@@ -15,7 +15,7 @@ enum class StepVerdict : std::uint8_t { kGoOn, kSettled, kUndetermined, kLedNowh
 ///   bool linearise(int stage) noexcept;           residuals, Jacobian and weights at its state; false: nothing to see
 ///   StepVerdict solve(int stage, Step& step) noexcept;   of the normal equations; kGoOn: there is a step
 ///   StepVerdict take(int stage, const Step& step) noexcept;   moves the state
-/// \param first, end  of the stages: [first, end)
+/// \param first, end  numbers of the stages: [first, end) [1]
 template <typename Problem>
 OptimiserStatistics gauss_newton(Problem& problem, int first, int end) noexcept {
   OptimiserStatistics statistics;

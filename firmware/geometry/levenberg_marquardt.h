@@ -14,8 +14,9 @@ struct LevenbergMarquardtOptions {
   /// at z = 1): half need 5 at most, 98 % 20. Of the 0.7 % that are cut off here, 94 % stand within 0.1 % of the rms
   /// that 3000 steps reach; the others (0.04 % of all) were still on their way.
   int max_iterations = 30;
-  // Nearly Gauss-Newton: starts are close. A tenth after each success; after a failure by so much that the next step is
-  // another one, and never below what makes a difference in double precision.
+  /// Of the normal matrix's diagonal, as shares of it [1]. Nearly Gauss-Newton: starts are close. A tenth after each
+  /// success; after a failure by so much that the next step is another one, and never below what makes a difference in
+  /// double precision.
   double first_damping = 1e-9, success_factor = 0.1, failure_factor = 30, least_failed_damping = 1e-6;
 };
 

@@ -14,15 +14,16 @@ namespace ninedot {
 /// sigma)^2 of the camera that it would make.
 using NumberingCosts = std::array<double, kRingDotCount>;
 
-/// \param X_camera, Z_camera  the sheet's axes X0 and Z0, frame camera, length 1
-/// \param to_camera  from the sheet's P9 to the camera, frame camera, length 1
+/// \param X_camera, Z_camera  the sheet's axes X0 and Z0, frame camera, length 1 [1]
+/// \param to_camera  from the sheet's P9 to the camera, frame camera, length 1 [1]
 /// \param expected_roll_rad  of the camera about its optical axis at which P1 is the lowest dot
+/// \return  squares of normal deviates [1]
 /// Memory: none. Threads: pure.
 NumberingCosts upright_costs(const Eigen::Vector3d& X_camera, const Eigen::Vector3d& Z_camera,
                              const Eigen::Vector3d& to_camera, const LandmarkGeometry& landmark,
                              double expected_roll_rad) noexcept;
 
-/// The same of a pose.
+/// The same of a pose [1].
 inline NumberingCosts upright_costs(const CameraFromLandmark& T, const LandmarkGeometry& landmark,
                                     double expected_roll_rad) noexcept {
   return upright_costs(T.rotation.col(0), T.rotation.col(2), -T.translation_m.normalized(), landmark,
