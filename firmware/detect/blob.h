@@ -17,6 +17,7 @@ struct Blob {
   bool is_finite() const noexcept;
 };
 
+/// Four times what the busiest of the developers' pictures has (rings, grids, wallpaper).
 inline constexpr std::size_t kMaxBlobs = 1024;
 using BlobList = InlineVector<Blob, kMaxBlobs>;
 

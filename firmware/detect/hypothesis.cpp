@@ -133,7 +133,7 @@ bool is_known(const HypothesisList& list, const Hypothesis& candidate) noexcept 
   return std::any_of(list.begin(), list.end(), [&](const Hypothesis& known) {
     int common = 0;
     for (const std::int16_t blob : candidate.blob)
-      if (blob >= 0) common += std::count(known.blob.begin(), known.blob.end(), blob) > 0;
+      if (blob >= 0 && std::find(known.blob.begin(), known.blob.end(), blob) != known.blob.end()) ++common;
     return common == candidate.matched && known.matched >= candidate.matched;
   });
 }
@@ -187,7 +187,7 @@ bool attach_blobs(const SortedBlobs& blobs, const LandmarkGeometry& landmark, Hy
                             if (distance < nearest && shape_mismatch(blob, shape_px2) < slack)
                               nearest = distance, hypothesis.blob[dot] = static_cast<std::int16_t>(i);
                           });
-      hypothesis.matched += hypothesis.blob[dot] >= 0;
+      if (hypothesis.blob[dot] >= 0) ++hypothesis.matched;
     }
     if (!fit(blobs.list(), landmark, hypothesis)) return false;
   }

@@ -11,8 +11,10 @@ namespace ninedot {
 
 NumberingCosts numbering_costs(std::span<const PlanePoint> points, const Eigen::Matrix3d& H_ray_plane,
                                const LandmarkGeometry& landmark, double expected_roll_rad) noexcept {
-  constexpr double kRollSigma_rad = 14 * std::numbers::pi / 180;       // hand-levelled mounts, uneven floors
-  constexpr double kElevationSigma_rad = 50 * std::numbers::pi / 180;  // weak: cameras hang under ceilings too
+  // Priors, chosen and not measured. Roll: hand-levelled mounts on uneven floors, so that half an eighth of a turn is
+  // 1.6 sigma. Elevation: weak, for cameras hang under ceilings too. Only their ratio decides which dot is P1.
+  constexpr double kRollSigma_rad = 14 * std::numbers::pi / 180;
+  constexpr double kElevationSigma_rad = 50 * std::numbers::pi / 180;
   Eigen::Vector3d X = H_ray_plane.col(0).normalized();
   Eigen::Vector3d Z = H_ray_plane.col(1).normalized();
   Eigen::Vector3d to_camera = -H_ray_plane.col(2).normalized();

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "image/image_buffer.h"
 #include "image/image_view.h"
-#include "image/pyramid.h"
 
 namespace ninedot {
 
