@@ -5,6 +5,8 @@
 
 #include "base/contract.h"
 #include "detect/blob_moments.h"
+#include "image/noise.h"
+#include "image/pyramid.h"
 
 // Every level of the pyramid finds spots of 2 to about 20 of its own pixels with one small square; a dot of 130 px is a
 // dot of 16 px three levels up, where the noise is an eighth. Dark regions that fill the ellipse of their own moments
@@ -13,10 +15,14 @@
 namespace ninedot {
 namespace {
 
-constexpr int kMinArea_px2 = 2;            // a dot of 2.6 px diameter, blurred, may leave no more at the half level
-constexpr int kMaxSide_px = 60;            // of a region at its level; larger ones are better seen a level up
-constexpr int kMinContrast_lsb = 10;       // a dot that differs less from its paper is not measurable
-constexpr double kContrastPerNoise = 4.0;  // of the half-size picture's threshold: 4 sigma of the level's noise
+constexpr int kMinArea_px2 = 2;  // a dot of 2.6 px diameter, blurred, may leave no more at the half level
+// Of a region at its level. The threshold's square is 24 px there, so that a spot is narrower than that; it is as long
+// as this where it is a circle seen from 66 degrees aside. What is longer is seen whole a level up.
+constexpr int kMaxSide_px = 60;
+constexpr int kMinContrast_lsb = 10;  // a dot that differs less from its paper is not measurable
+// Sigmas of the level's own noise; the threshold is of the half-size picture, whose noise is half of that. Pure noise
+// of 6 grey levels then leaves fewer than 300 blobs (BlobFinder.TakesBlankPaperAndPureNoiseForNothing).
+constexpr double kContrastPerNoise = 4.0;
 
 }  // namespace
 
@@ -65,8 +71,11 @@ void BlobFinder::search_level(const ImageView& luma, int level, BlobList& blobs)
 
 void BlobFinder::collect(const ImageView& picture, std::span<const Region> regions, int level,
                          BlobList& blobs) noexcept {
-  constexpr float kSamePlace = 0.03F;  // squared distance of two centroids, in areas of the coarser blob
-  constexpr float kSameSize = 2.5F;    // ratio of two areas
+  // Squared distance of two centroids, in areas of the coarser blob: 0.3 of a disc's radius. Two dots cannot be so
+  // close.
+  constexpr float kSamePlace = 0.03F;
+  // Ratio of two areas: below the 4 between P9 and a dot of the ring.
+  constexpr float kSameSize = 2.5F;
   const auto scale = static_cast<double>(1 << level);
   const double noise_lsb = noise_lsb_ / scale;
   coarser_.build(blobs.span());

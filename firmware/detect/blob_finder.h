@@ -7,8 +7,8 @@
 #include "detect/blob_grid.h"
 #include "detect/region_finder.h"
 #include "image/dark_spots.h"
+#include "image/image_buffer.h"
 #include "image/image_view.h"
-#include "image/pyramid.h"
 
 namespace ninedot {
 

@@ -20,8 +20,19 @@
 namespace ninedot {
 namespace {
 
-/// Blobs know nothing of the landmark: what is hidden, spoiled or at the picture's edge is told by the outlines.
+/// Blobs know nothing of the landmark: what is hidden, spoiled or at the picture's edge is told by the outlines. 15 of
+/// the 16 directions in which verify.cpp looks at each.
 constexpr float kWholeOutline = 0.9F;
+
+/// Of a whole dot's area. A hard shadow across a dot costs a tenth of it; a dot that lacks as much as a seventh has its
+/// centroid off by an eighth of its radius at most (a segment of a disc of that area).
+constexpr double kCutShare = 0.85;
+/// An outline that is off by a third of a pixel all around is off by 2 sqrt(pi) / 3 = 1.2 sqrt(area) in area.
+constexpr double kOutlineSlack_px = 1.2;
+
+/// Semi-minor axis of a ring dot in the picture that is asked about it: outlines are looked at 1.2 px inside of them
+/// (verify.cpp), and that must not reach the other side.
+constexpr double kSmallest_px = 2.5;
 
 }  // namespace
 
@@ -113,7 +124,6 @@ Result<LandmarkObservation> Detector::Workspace::match(const ImageView& luma, co
 /// Small dots are looked at in the picture itself, larger ones at a level of the pyramid where noise is averaged away.
 Verification Detector::Workspace::verify(const ImageView& luma, const SearchArea& area,
                                          const Hypothesis& hypothesis) const noexcept {
-  constexpr double kSmallest_px = 2.5;  // semi-minor axis of a ring dot in the picture that is looked at
   const Eigen::Matrix2d J = jacobian_of_map(hypothesis.H_px_plane, Eigen::Vector2d::Zero());
   const double semi_minor_px = landmark.dot_radius_m * std::abs(J.determinant()) / std::max(J.norm(), 1e-9);
   int level = 0;
@@ -146,8 +156,7 @@ bool Detector::Workspace::is_cut(std::size_t dot, const Blob& blob) const noexce
   const double radius_m = landmark.radius_m(dot);
   const double whole_px2 =
       std::numbers::pi * radius_m * radius_m * jacobian_of_map(best.H_px_plane, landmark.centre_m(dot)).determinant();
-  // A seventh (a shadow across a dot costs a tenth), and a threshold that is off by a sixth of a pixel all around.
-  return static_cast<double>(blob.area_px2) < whole_px2 * (0.85 - 1.2 / std::sqrt(whole_px2));
+  return static_cast<double>(blob.area_px2) < whole_px2 * (kCutShare - kOutlineSlack_px / std::sqrt(whole_px2));
 }
 
 Result<LandmarkObservation> Detector::Workspace::observe(const Verification& verification) const noexcept {
@@ -166,7 +175,7 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Verification& ver
     d.semi_major_px = 2 * std::sqrt(mean + spread);
     d.semi_minor_px = 2 * std::sqrt(std::max(mean - spread, 0.0));
     d.angle_rad = 0.5 * std::atan2(2.0 * static_cast<double>(blob.xy_px2), 2 * half);
-    seen.seen_count += d.seen;
+    if (d.seen) ++seen.seen_count;
     const auto ray = camera.normalised_from_pixel(d.centroid_px);
     if (!ray) return tl::unexpected<Error>(ray.error());
     EXPECTS(points.try_push_back({landmark.centre_m(dot), *ray}));  // as many as there are dots

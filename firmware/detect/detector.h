@@ -17,7 +17,8 @@ struct DetectorOptions {
 };
 
 /// What found no room in a list of fixed size and was left out, since the detector was made. Each counts one thing left
-/// out, not one picture, and wraps at 2^32. All stay 0 in ordinary pictures; texture of single pixels moves the first.
+/// out, not one picture, and wraps at 2^32. All were 0 over the recordings that show a landmark; twenty look-alikes
+/// without one (rings, grids, wallpaper) had 0, 151, 1105 and 1655, for then every guess is tried.
 struct DetectorCounts {
   std::uint32_t runs_cut = 0;        ///< dark stretches of a row, from the bottom of the picture (RegionFinder)
   std::uint32_t blobs_cut = 0;       ///< dark spots: more than kMaxBlobs (BlobFinder)

@@ -12,15 +12,20 @@ namespace ninedot {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSlot_rad = kPi / 4;            // between neighbours on the ring
-constexpr double kSlotTolerance_rad = kPi / 16;  // a quarter of a slot: what perspective bends at 75 degrees and 0.5 m
-constexpr double kRadiusTolerance = 0.32;        // of the ring's radius against P9's, the same cause
-constexpr double kAreaTolerance = 2.2;           // factor; blur and perspective at small sizes
-constexpr std::size_t kMaxNeighbours = 24;
+constexpr double kSlot_rad = kPi / 4;  // between neighbours on the ring
+// How far the ring's dots may be from where P9's ellipse has them: a quarter of a slot, a third of the ring's radius,
+// and a factor of their area. Perspective at 0.5 m and 75 degrees, and blur at 5 m, take a quarter of the first and
+// three quarters of the others: detect_test --gtest_filter='DetectorConstants.*' measures each.
+constexpr double kSlotTolerance_rad = kPi / 16;
+constexpr double kRadiusTolerance = 0.32;
+constexpr double kAreaTolerance = 2.2;
+constexpr std::size_t kMaxNeighbours = 24;  // three times the ring's eight: what else is as large and as near
 // Of small blobs, measured by grey levels: point spread (0.6 px)^2 and the pixel's own 1/12, in units of the level's
 // pixels.
 constexpr float kBlur_px2 = 0.44F;
-constexpr float kSmallArea_px2 = 120;
+// Of the correlation of x and y that is left after the blur was taken off: axes of 1 to 0.1 at 45 degrees.
+constexpr float kMostEccentric = 0.98F;
+constexpr float kSmallArea_px2 = 120;  // as in blob_moments.cpp: below, grey levels are measured
 
 /// Turns px into units in which a blob's outline is a circle of radius 1 around it. Cholesky: keeps the orientation.
 class Whitening {
@@ -32,7 +37,7 @@ class Whitening {
     const float floor = 0.25F * static_cast<float>(kPixelVariance_px2);
     const float xx = std::max({blob.xx_px2 - blur, 0.25F * blob.xx_px2, floor});
     const float yy = std::max({blob.yy_px2 - blur, 0.25F * blob.yy_px2, floor});
-    const float limit = 0.98F * std::sqrt(xx * yy);
+    const float limit = kMostEccentric * std::sqrt(xx * yy);
     const float xy = std::clamp(blob.xy_px2, -limit, limit);
     l00_ = std::sqrt(xx);
     l10_ = xy / l00_;
@@ -133,7 +138,7 @@ bool is_known(const HypothesisList& list, const Hypothesis& candidate) noexcept 
   return std::any_of(list.begin(), list.end(), [&](const Hypothesis& known) {
     int common = 0;
     for (const std::int16_t blob : candidate.blob)
-      if (blob >= 0) common += std::count(known.blob.begin(), known.blob.end(), blob) > 0;
+      if (blob >= 0 && std::find(known.blob.begin(), known.blob.end(), blob) != known.blob.end()) ++common;
     return common == candidate.matched && known.matched >= candidate.matched;
   });
 }
@@ -187,7 +192,7 @@ bool attach_blobs(const SortedBlobs& blobs, const LandmarkGeometry& landmark, Hy
                             if (distance < nearest && shape_mismatch(blob, shape_px2) < slack)
                               nearest = distance, hypothesis.blob[dot] = static_cast<std::int16_t>(i);
                           });
-      hypothesis.matched += hypothesis.blob[dot] >= 0;
+      if (hypothesis.blob[dot] >= 0) ++hypothesis.matched;
     }
     if (!fit(blobs.list(), landmark, hypothesis)) return false;
   }
@@ -196,7 +201,7 @@ bool attach_blobs(const SortedBlobs& blobs, const LandmarkGeometry& landmark, Hy
 
 void guess_from_centre(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out,
                        GuessCuts& cuts) noexcept {
-  constexpr float kMinArea_px2 = 8;  // P9 at 9 m and 720 px
+  constexpr float kMinArea_px2 = 8;  // P9 at 9 m and 720 px, 52 degrees aside: pi / 4 (50.8 mm 720 px / 9 m)^2 cos 52
   NeighbourList neighbours;
   const BlobList& list = blobs.list();
   for (std::size_t centre = 0; centre < list.size() && list[centre].area_px2 >= kMinArea_px2; ++centre) {
@@ -211,9 +216,13 @@ void guess_from_centre(const SortedBlobs& blobs, const LandmarkGeometry& landmar
 
 void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out,
                      GuessCuts& cuts) noexcept {
-  constexpr float kMinArea_px2 = 5;
+  constexpr float kMinArea_px2 = 5;  // a ring dot at 7.2 m and 720 px, from in front: pi / 4 (25.4 mm 720 px / 7.2 m)^2
+  // Ratio of neighbours' areas, of one dot's and what three points say of it, and of its shape; and the distance to a
+  // neighbour in units of the ring's spacing, seen through a dot's own ellipse. DetectorConstants (see above) has what
+  // perspective makes of them.
   constexpr double kAreaFactor = 1.7;
-  constexpr std::size_t kNearest = 8;
+  constexpr float kNearestSpacing = 0.6F, kFarthestSpacing = 1.5F;
+  constexpr std::size_t kNearest = 8;  // both neighbours on the ring, and three times as many others
   const double spacing = 2 * std::sin(kSlot_rad / 2) * landmark.ring_radius_m / landmark.dot_radius_m;
   Eigen::Matrix2d plane;
   plane << landmark.centre_m(7) - landmark.centre_m(0), landmark.centre_m(1) - landmark.centre_m(0);
@@ -228,11 +237,11 @@ void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark,
     const Blob& m = list[middle];
     const Whitening whiten(m);
     InlineVector<Near, kNearest> near;
-    const float reach_px = m.semi_major_px() * static_cast<float>(1.5 * spacing);
+    const float reach_px = m.semi_major_px() * kFarthestSpacing * static_cast<float>(spacing);
     blobs.for_each_near(m.x_px, m.y_px, reach_px, m.area_px2 / kAreaFactor, m.area_px2 * kAreaFactor,
                         [&](std::size_t i, const Blob& blob) {
                           const float distance = whiten(blob.x_px, blob.y_px).norm() / static_cast<float>(spacing);
-                          if (i == middle || distance < 0.6F || distance > 1.5F) return;
+                          if (i == middle || distance < kNearestSpacing || distance > kFarthestSpacing) return;
                           const Near candidate{static_cast<std::int16_t>(i), std::abs(distance - 1)};
                           if (near.try_push_back(candidate)) return;
                           ++cuts.neighbours;

@@ -21,6 +21,8 @@ struct Hypothesis {
   int matched = 0;
 };
 
+/// Guesses from a centre were 3 at most in the developers' pictures; guesses from three dots of the ring fill the list
+/// in rooms with many spots (tried only where no centre led to a landmark), and those with fewer dots give way.
 inline constexpr std::size_t kMaxHypotheses = 96;
 using HypothesisList = InlineVector<Hypothesis, kMaxHypotheses>;
 

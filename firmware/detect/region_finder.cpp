@@ -41,6 +41,7 @@ std::uint32_t dark_bits(const std::uint8_t* pixels, const std::uint8_t* limits, 
 RegionFinder::RegionFinder(int max_width_px, int max_height_px)
     // Worst texture: a run for every second pixel. Kept to a quarter of that; noise beyond is cut, not followed.
     : runs_(static_cast<std::size_t>(max_width_px) * static_cast<std::size_t>(max_height_px) / 8 + 64),
+      region_of_run_(runs_.size()),
       row_start_(static_cast<std::size_t>(max_height_px) + 1),
       regions_(runs_.size()),
       kept_(runs_.size()) {
@@ -123,25 +124,25 @@ void RegionFinder::join_runs(int rows) noexcept {
   }
 }
 
-/// Areas and boxes of all regions; from here on a run's parent is its region's index.
+/// Which region each run belongs to, and the areas and boxes of all regions.
 void RegionFinder::outline_regions(int rows) noexcept {
   region_count_ = 0;
-  Run* runs = runs_.data();
+  const Run* runs = runs_.data();
+  std::int32_t* region_of = region_of_run_.data();
   for (int y = 0; y < rows; ++y) {
     const std::int32_t last = row_start_[static_cast<std::size_t>(y) + 1];
     for (std::int32_t i = row_start_[static_cast<std::size_t>(y)]; i < last; ++i) {
-      Run& run = runs[i];
+      const Run run = runs[i];
       if (run.parent == i) {
-        run.parent = static_cast<std::int32_t>(region_count_);
+        region_of[i] = static_cast<std::int32_t>(region_count_);
         Region& region = regions_[region_count_++];
         region.area_px = run.end - run.begin;
         region.min_x = run.begin, region.end_x = run.end;
         region.min_y = region.last_y = y;
         continue;
       }
-      // Parents come earlier and hold indices of regions already.
-      run.parent = runs[run.parent].parent;
-      Region& region = regions_[static_cast<std::size_t>(run.parent)];
+      region_of[i] = region_of[run.parent];  // parents come earlier
+      Region& region = regions_[static_cast<std::size_t>(region_of[i])];
       region.area_px += run.end - run.begin;
       region.min_x = std::min<std::int32_t>(region.min_x, run.begin);
       region.end_x = std::max<std::int32_t>(region.end_x, run.end);
@@ -172,7 +173,7 @@ void RegionFinder::sum_moments(int rows) noexcept {
     const std::int32_t last = row_start_[static_cast<std::size_t>(y) + 1];
     for (std::int32_t i = row_start_[static_cast<std::size_t>(y)]; i < last; ++i) {
       const Run& run = runs_[static_cast<std::size_t>(i)];
-      const std::int32_t kept = kept_[static_cast<std::size_t>(run.parent)];
+      const std::int32_t kept = kept_[static_cast<std::size_t>(region_of_run_[static_cast<std::size_t>(i)])];
       if (kept < 0) continue;
       Region& r = regions_[static_cast<std::size_t>(kept)];
       const std::int64_t n = run.end - run.begin;

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "image/image_buffer.h"
 #include "image/image_view.h"
-#include "image/pyramid.h"
 
 namespace ninedot {
 
@@ -43,7 +43,7 @@ class RegionFinder {
  private:
   struct Run {
     std::int16_t begin, end;  // [begin, end) in its row
-    std::int32_t parent;      // union-find; then the region's index
+    std::int32_t parent;      // union-find: an earlier run of the same region, or itself
   };
   void find_runs(const ImageView& picture, const ImageBuffer& threshold) noexcept;
   void join_runs(int rows) noexcept;
@@ -55,9 +55,10 @@ class RegionFinder {
   std::vector<Run> runs_;
   std::size_t run_count_ = 0;
   std::uint32_t runs_cut_ = 0;
+  std::vector<std::int32_t> region_of_run_;
   std::vector<std::int32_t> row_start_;  // first run of each row, and one past the last
   std::vector<Region> regions_;
-  std::vector<std::int32_t> kept_;  // index of the kept region, or -1
+  std::vector<std::int32_t> kept_;  // of each region: its index among those that are kept, or -1
   std::size_t region_count_ = 0;
 };
 

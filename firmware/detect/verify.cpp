@@ -14,16 +14,24 @@
 namespace ninedot {
 namespace {
 
-constexpr int kDirections = 16;
-constexpr double kMinContrast_lsb = 5;
+constexpr int kDirections = 16;        // of each outline: two for each dot of the ring, and one in between
+constexpr double kBeside_px = 1.2;     // from an outline: its blur (sigma 0.6 px) is over at two sigma
+constexpr double kBesideShare = 0.25;  // of the radius, where that is more: what a guessed outline may be off by
+constexpr double kMinContrast_lsb =
+    5;  // half of what a blob needs (blob_finder.cpp): the outline of a small dot is pale
 constexpr double kContrastPerNoise = 3;  // below, sixteen directions in which it is brighter outside are no evidence
 constexpr double kMinShare = 0.35;       // of the landmark's typical contrast, scaled by the local light
-constexpr float kSeen = 0.75F;           // of an outline: the dot is there, whole
-constexpr float kFlawless = 0.94F;
-constexpr double kMinScoreOfThree =
-    4.9;                          // three dots, two halves beside them and half of P9, which counts twice: half a sheet
-constexpr float kPartly = 0.30F;  // a dot that something hides in part
-constexpr double kMinPaper = 0.75;  // of the samples between the dots
+constexpr double kLeastLight = 0.3, kMostLight = 1.5;  // beyond these paper is not lit differently but another thing
+constexpr float kSeen = 12.0F / kDirections;           // of an outline: the dot is there, whole
+constexpr float kFlawless = 1;
+constexpr float kPartly = 5.0F / kDirections;  // a dot that something hides in part
+// Three dots, two halves beside them and half of P9, which counts twice: half a sheet, 3 + 1 + 1, less a direction or
+// two.
+constexpr double kMinScoreOfThree = 4.9;
+constexpr double kMinPaper = 0.75;    // of the samples between the dots: a shadow's edge or a stain may spoil a quarter
+constexpr double kBlankShare = 0.25;  // of the expected contrast: less between both sides of an outline is none
+constexpr double kDarkPaperShare = 0.4;  // of the typical contrast: paper darker by this is something else
+constexpr double kOnADot = 0.7;          // of a dot's radius around its middle: two blobs so close are one dot
 
 struct Sides {
   bool inside_picture = false;
@@ -50,23 +58,25 @@ class Evidence {
 
   Verification judge(const BlobList& blobs) const noexcept {
     Verification v;
-    int whole = 0, partly = 0, flawless = 0;
     for (std::size_t dot = 0; dot < kDotCount; ++dot) {
       v.visible_fraction[dot] = visible_fraction(dot);
       v.score += v.visible_fraction[dot] * (dot == kCentreDot ? 2 : 1);
-      if (dot == kCentreDot) continue;
-      whole += v.visible_fraction[dot] >= kSeen;
-      flawless += v.visible_fraction[dot] >= kFlawless;
-      partly += v.visible_fraction[dot] >= kPartly && v.visible_fraction[dot] < kSeen;
     }
+    const auto ring_dots_from = [&](float least) {
+      return static_cast<int>(std::count_if(v.visible_fraction.begin(), v.visible_fraction.begin() + kRingDotCount,
+                                            [=](float fraction) { return fraction >= least; }));
+    };
+    const int whole = ring_dots_from(kSeen), flawless = ring_dots_from(kFlawless);
+    const int partly = ring_dots_from(kPartly) - whole;
     const float centre = v.visible_fraction[kCentreDot];
+    const int seen = whole + (centre >= kSeen ? 1 : 0);
     // Three points fit any three dots of equal size: then everything else must be flawless.
     if (hypothesis_.matched <= 3 && (flawless < 3 || v.score < kMinScoreOfThree)) return v;
     const bool enough =
         (centre >= kSeen && whole >= 3) || (centre >= kPartly && whole >= 3 && whole + partly >= 4) || whole >= 5;
     v.accepted = enough && typical_lsb_ >= std::max(kMinContrast_lsb, kContrastPerNoise * noise_lsb_) &&
                  paper_is_blank() && !centre_is_absent(centre) && isolated_holes(v) <= 1 &&
-                 2 * intruders(blobs) <= whole + (centre >= kSeen) - 3;
+                 2 * intruders(blobs) <= seen - 3;
     return v;
   }
 
@@ -83,7 +93,7 @@ class Evidence {
     for (int d = 0; d < kDirections; ++d) {
       const Eigen::Vector2d outward_px = J * (plane_point(dot, d, 1) - landmark_.centre_m(dot));
       const double px_per_m = outward_px.norm();
-      const double step_m = std::max(1.2 / px_per_m, 0.25 * radius_m);
+      const double step_m = std::max(kBeside_px / px_per_m, kBesideShare * radius_m);
       const auto out = sample(luma_, map_point(H_, plane_point(dot, d, radius_m + step_m)));
       const auto in = sample(luma_, map_point(H_, plane_point(dot, d, std::max(radius_m - step_m, 0.0))));
       if (out && in) sides_[dot][static_cast<std::size_t>(d)] = {true, *out, *in};
@@ -109,7 +119,7 @@ class Evidence {
 
   /// The contrast that an outline must show where its paper has this brightness.
   double expected_lsb(double paper_lsb) const noexcept {
-    return typical_lsb_ * std::clamp(paper_lsb / std::max(paper_lsb_, 1.0), 0.3, 1.5);
+    return typical_lsb_ * std::clamp(paper_lsb / std::max(paper_lsb_, 1.0), kLeastLight, kMostLight);
   }
 
   bool is_edge(const Sides& s) const noexcept {
@@ -138,7 +148,7 @@ class Evidence {
       const auto paper = sample(luma_, map_point(H_, plane_m));
       if (!paper) return;
       ++asked;
-      blank += *paper - ink_lsb > kMinShare * expected_lsb(*paper);
+      if (*paper - ink_lsb > kMinShare * expected_lsb(*paper)) ++blank;
     };
     const double between_m = 0.5 * (landmark_.centre_radius_m + landmark_.ring_radius_m - landmark_.dot_radius_m);
     for (int d = 0; d < kDirections; ++d) {
@@ -159,7 +169,9 @@ class Evidence {
     for (const Sides& s : sides_[dot]) {
       if (!s.inside_picture) continue;
       ++asked;
-      blank += std::abs(s.out - s.in) < 0.25 * expected_lsb(s.out) && s.in > paper_lsb_ - 0.4 * typical_lsb_;
+      if (std::abs(s.out - s.in) < kBlankShare * expected_lsb(s.out) &&
+          s.in > paper_lsb_ - kDarkPaperShare * typical_lsb_)
+        ++blank;
     }
     return asked > kDirections / 2 && blank > 0.8 * asked;
   }
@@ -175,8 +187,8 @@ class Evidence {
       const double a_rad = std::atan2(towards.y(), towards.x());
       const auto d = static_cast<std::size_t>(
           (static_cast<int>(std::lround(a_rad * kDirections / (2 * std::numbers::pi))) + kDirections) % kDirections);
-      contradictions +=
-          visible_fraction(dot) >= kSeen && sides_[kCentreDot][d].inside_picture && !is_edge(sides_[kCentreDot][d]);
+      const Sides& beside = sides_[kCentreDot][d];
+      if (visible_fraction(dot) >= kSeen && beside.inside_picture && !is_edge(beside)) ++contradictions;
     }
     return contradictions >= 3;
   }
@@ -193,7 +205,7 @@ class Evidence {
       const double a_rad = d * 2 * std::numbers::pi / kAround;
       const Eigen::Vector2d off = 1.7 * landmark_.dot_radius_m * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad));
       const auto around = sample(luma_, map_point(H_, plane_m + off));
-      standing_out += around && (*around - *middle) * paper_lsb_ > kLikeInk * typical_lsb_ * *around;
+      if (around && (*around - *middle) * paper_lsb_ > kLikeInk * typical_lsb_ * *around) ++standing_out;
     }
     return standing_out >= kAround - 2;
   }
@@ -214,14 +226,18 @@ class Evidence {
       if (std::find(hypothesis_.blob.begin(), hypothesis_.blob.end(), static_cast<int>(i)) != hypothesis_.blob.end())
         continue;
       if (!is_ink_on_paper(plane_m)) continue;
-      // The same dot found a second time, or a part of it, is no intruder.
-      bool on_a_dot = false;
-      for (std::size_t dot = 0; dot < kDotCount; ++dot)
-        on_a_dot = on_a_dot || (visible_fraction(dot) >= kPartly &&
-                                (plane_m - landmark_.centre_m(dot)).norm() < 0.7 * landmark_.radius_m(dot));
-      count += !on_a_dot;
+      if (!is_on_a_dot(plane_m)) ++count;
     }
     return count;
+  }
+
+  /// The same dot found a second time, or a part of it, is no intruder.
+  bool is_on_a_dot(const Eigen::Vector2d& plane_m) const noexcept {
+    for (std::size_t dot = 0; dot < kDotCount; ++dot)
+      if (visible_fraction(dot) >= kPartly &&
+          (plane_m - landmark_.centre_m(dot)).norm() < kOnADot * landmark_.radius_m(dot))
+        return true;
+    return false;
   }
 
   /// Hidden dots come in a row; holes between two whole dots are dirt once, and another pattern twice.
@@ -229,7 +245,7 @@ class Evidence {
     int holes = 0;
     for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
       const float before = v.visible_fraction[(dot + 7) % 8], after = v.visible_fraction[(dot + 1) % 8];
-      holes += v.visible_fraction[dot] < kSeen / 2 && before >= kSeen && after >= kSeen;
+      if (v.visible_fraction[dot] < kSeen / 2 && before >= kSeen && after >= kSeen) ++holes;
     }
     return holes;
   }

@@ -9,10 +9,11 @@
 namespace ninedot {
 namespace {
 
-// Hand-levelled mounts and uneven floors, generously: of two neighbouring numberings, 45 degrees apart, the right one
-// is the likelier by 1 to 170 where the camera is level.
+// Priors, chosen and not measured. Roll: hand-levelled mounts on uneven floors, so that half an eighth of a turn is
+// 1.6 sigma, and the neighbour of the right numbering has odds of 1 to 170 where the camera is level. Elevation: weak,
+// for cameras hang under ceilings too.
 constexpr double kRollSigma_rad = 14 * kRadPerDeg;
-constexpr double kElevationSigma_rad = 50 * kRadPerDeg;  // weak: cameras hang under ceilings too
+constexpr double kElevationSigma_rad = 50 * kRadPerDeg;
 
 }  // namespace
 

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "image/image_buffer.h"
 #include "image/image_view.h"
-#include "image/pyramid.h"
 
 namespace ninedot {
 
@@ -18,7 +18,8 @@ namespace ninedot {
 class SpotThreshold {
  public:
   /// Side of the closing's square in pixels of the half-size picture: spots up to twice that many pixels of the full
-  /// one.
+  /// one. P9 is twice as wide as the ring's dots and the next level halves it: of 24 px one level sees the ring's dots
+  /// and P9 together from 2.6 px on, the least that is found, with a factor of 4 to spare for tilt and blur.
   static constexpr int kSquare_px = 12;
   /// Ink is the darkest pixel of the half-size picture within this many of its pixels. A blurred small dot is paler
   /// than the large one beside it, whose ink must not be taken for its own; and no edge that is seen at this level is

@@ -92,6 +92,29 @@ TEST(BlobFinder, LetsNoBlobBeNarrowerThanAPixel) {
   }
 }
 
+/// Dots of 4 px in rows and columns, on white.
+std::vector<std::uint8_t> dot_grid(int pitch_px) {
+  std::vector<std::uint8_t> pixels(640 * 480, 220);
+  for (int y = 4; y + 8 < 480; y += pitch_px)
+    for (int x = 4; x + 8 < 640; x += pitch_px)
+      for (int v = 0; v < 4; ++v)
+        for (int u = 0; u < 4; ++u)
+          if ((u % 3 != 0) || (v % 3 != 0)) pixels[static_cast<std::size_t>((y + v) * 640 + x + u)] = 30;
+  return pixels;
+}
+
+TEST(BlobFinder, CountsTheBlobsThatItHasNoRoomFor) {
+  BlobFinder finder(640, 480);
+  BlobList blobs;
+  const auto few = dot_grid(40), many = dot_grid(12);  // 192 dots, 2067 dots
+  finder.find_blobs({few.data(), 640, 480, 640}, {0, 0}, blobs);
+  EXPECT_EQ(blobs.size(), 192U);
+  EXPECT_EQ(finder.blobs_cut(), 0U);
+  finder.find_blobs({many.data(), 640, 480, 640}, {0, 0}, blobs);
+  EXPECT_TRUE(blobs.full());
+  EXPECT_EQ(finder.blobs_cut(), 2067U - kMaxBlobs);
+}
+
 TEST(BlobFinder, TakesBlankPaperAndPureNoiseForNothing) {
   std::mt19937 random(5);
   std::normal_distribution<double> noise(120, 6);

@@ -5,9 +5,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
+#include "detect/homography.h"
 #include "tests/detect/sharpened_spots.h"
 #include "tests/support/renderer.h"
 
@@ -192,6 +195,108 @@ TEST(Detector, LooksThroughASharpenedPictureOfLonePixels) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const auto pixels = test::sharpened_spots(seed);
     EXPECT_FALSE(detector.find_landmarks({pixels.data(), 640, 480, 640}).has_value()) << seed;
+  }
+}
+
+/// Each count in the picture that makes it: texture of thin lines, a dense grid of equal dots, rings by the hundred.
+TEST(Detector, CountsWhatItsListsHadNoRoomFor) {
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  const test::Picture plain = test::render(scene_at({.distance_m = 1.2}), 1);
+  ASSERT_TRUE(detector.find_landmarks(plain.view()).has_value());
+  const DetectorCounts none = detector.counts();
+  EXPECT_EQ(none.runs_cut + none.blobs_cut + none.neighbours_cut + none.hypotheses_cut + none.landmarks_cut, 0U);
+
+  std::vector<std::uint8_t> pixels(640 * 480, 220);
+  const auto disc = [&](double x_px, double y_px, double radius_px) {
+    for (int y = static_cast<int>(y_px - radius_px); y <= y_px + radius_px; ++y)
+      for (int x = static_cast<int>(x_px - radius_px); x <= x_px + radius_px; ++x)
+        if (std::hypot(x - x_px, y - y_px) < radius_px) pixels[static_cast<std::size_t>(y * 640 + x)] = 30;
+  };
+  const ImageView picture{pixels.data(), 640, 480, 640};
+  // Blank rows where the noise is estimated: a picture that claims to have none.
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = i % 4 == 0 && i / 640 % 8 != 4 ? 30 : 220;
+  (void)detector.find_landmarks(picture);
+  const DetectorCounts texture = detector.counts();
+  EXPECT_GT(texture.runs_cut, 10000U);
+
+  std::fill(pixels.begin(), pixels.end(), std::uint8_t{220});
+  for (int i = 0; i < 2400; ++i) disc(12 + 10 * (i % 60), 12 + 10 * (i / 60), 2.9);
+  (void)detector.find_landmarks(picture);
+  const DetectorCounts grid = detector.counts();
+  EXPECT_GT(grid.blobs_cut, texture.blobs_cut + 500);
+  EXPECT_GT(grid.neighbours_cut, texture.neighbours_cut);
+
+  std::fill(pixels.begin(), pixels.end(), std::uint8_t{220});
+  for (int i = 0; i < 100; ++i) {
+    const double x_px = 28 + 44 * (i % 13), y_px = 28 + 44 * (i / 13);
+    disc(x_px, y_px, 5.2);
+    for (int k = 0; k < 5; ++k) disc(x_px + 16 * std::cos(k * 1.256), y_px + 16 * std::sin(k * 1.256), 2.6);
+  }
+  (void)detector.find_landmarks(picture);
+  EXPECT_GT(detector.counts().hypotheses_cut, grid.hypotheses_cut);
+}
+
+/// A camera that rolls away slowly; when it has turned by more than half an eighth, a board hides a little of the
+/// sheet.
+TEST(Detector, KeepsATracksNumbersBeyondWhereThePriorsChangeTheirs) {
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  const LandmarkGeometry landmark;
+  std::optional<LandmarkForecast> forecast;
+  int priors_disagree = 0;
+  for (int frame = 0; frame <= 14; ++frame) {
+    test::Scene scene =
+        scene_at({.distance_m = 1.2, .tilt_rad = 15 * kDegree, .roll_rad = std::min(2.5 * frame, 25.0) * kDegree});
+    if (frame == 12) scene.board.hidden_fraction = 0.08;
+    const test::Picture picture = test::render(scene, static_cast<std::uint64_t>(frame));
+    LandmarkObservation seen;
+    if (forecast) {
+      const auto near = detector.find_landmark_near(picture.view(), *forecast);
+      ASSERT_TRUE(near.has_value()) << frame;
+      seen = *near;
+      const auto alone = detector.find_landmark_near(picture.view(), {seen, false});
+      ASSERT_TRUE(alone.has_value()) << frame;
+      const bool renumbered_alone = (alone->dots[0].centroid_px - seen.dots[0].centroid_px).norm() > 5;
+      priors_disagree += renumbered_alone ? 1 : 0;
+      EXPECT_EQ(seen.numbering_chi2[0] > 0, renumbered_alone) << frame;
+      EXPECT_TRUE(renumbered_alone || frame != 12) << "or this test says nothing";
+    } else {
+      const auto found = detector.find_landmarks(picture.view());
+      ASSERT_TRUE(found.has_value());
+      seen = found->front();
+    }
+    expect_dots_in_place(scene, seen, frame == 12 ? 2.5 : 1.1);
+    EXPECT_LT((map_point(seen.H_ray_plane, landmark.centre_m(0)) * 720 + Eigen::Vector2d(319.5, 239.5) -
+               pixel_of(scene, landmark.centre_m(0)))
+                  .norm(),
+              4)
+        << frame;
+    forecast = LandmarkForecast(seen, true);
+  }
+  EXPECT_GE(priors_disagree, 3);
+}
+
+TEST(Detector, TakesAPoseForAForecast) {
+  const test::Scene scene = scene_at({.distance_m = 1.5, .tilt_rad = 0.4, .roll_rad = 170 * kDegree});
+  const auto& [w, x, y, z] = scene.camera.quaternion_wxyz;
+  const Transform<frame::Landmark, frame::Camera> T{Eigen::Quaterniond(w, x, y, z).toRotationMatrix(),
+                                                    Eigen::Vector3d(scene.camera.position_m.data())};
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  const auto seen = detector.find_landmark_near(test::render(scene, 1).view(), T.inverse());
+  ASSERT_TRUE(seen.has_value());
+  EXPECT_EQ(seen->seen_count, 9);
+  expect_dots_in_place(scene, *seen, 1.0);
+  EXPECT_GT(seen->numbering_chi2[0], 50) << "upside down, as the priors see it";
+}
+
+TEST(Detector, LooksNowhereForALandmarkBehindTheCameraOrNowhere) {
+  const test::Picture picture = test::render(scene_at({.distance_m = 1.2}), 1);
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  for (const double z_m : {-1.0, 0.0, std::nan(""), std::numeric_limits<double>::infinity(), 1e300}) {
+    CameraFromLandmark T;
+    T.translation_m = {0, 0, z_m};
+    const auto seen = detector.find_landmark_near(picture.view(), T);
+    ASSERT_FALSE(seen.has_value()) << z_m;
+    EXPECT_EQ(seen.error().code, Errc::kNoLandmark);
   }
 }
 

@@ -30,7 +30,8 @@ class Script {
   std::size_t next_ = 0;
 };
 
-constexpr int kMaxShapes = 60;
+constexpr int kMaxShapes = 24;
+constexpr int kMaxDots = 40;  // equal dots side by side are what takes the detector longest: about their number squared
 
 struct Canvas {
   Canvas(int width, int height, double paper)
@@ -50,6 +51,7 @@ struct Canvas {
       }
   }
   void disc(double x_px, double y_px, double a_px, double b_px, double angle_rad, double ink) {
+    if (++dots > kMaxDots) return;
     const double c = std::cos(angle_rad), s = std::sin(angle_rad);
     paint(x_px, y_px, std::max(a_px, b_px) + 1, ink, [&](int x, int y) {
       const double u = (c * (x - x_px) + s * (y - y_px)) / a_px, v = (c * (y - y_px) - s * (x - x_px)) / b_px;
@@ -90,6 +92,7 @@ struct Canvas {
 
   int width_px, height_px;
   std::vector<double> light;
+  int dots = 0;
 };
 
 /// Sheet to ray: the landmark turned by three angles before the camera.
@@ -158,8 +161,8 @@ void draw_shapes(Script& script, const CameraModel& camera, Canvas& canvas) {
       }
       case 6: {  // a grid of dots
         const double pitch_px = 2 + 12 * detail;
-        for (int row = 0; row < 6; ++row)
-          for (int column = 0; column < 6; ++column)
+        for (int row = 0; row < 4; ++row)
+          for (int column = 0; column < 4; ++column)
             canvas.disc(x_px + column * pitch_px, y_px + row * pitch_px, 0.3 * pitch_px, 0.3 * pitch_px, 0, ink);
         break;
       }

@@ -41,7 +41,8 @@ TEST(ObservationOfPose, IsWhatTheDetectorSeesInThePicture) {
     }
     for (const std::size_t i : {0U, 3U}) {
       const Eigen::Vector3d c(LandmarkGeometry{}.centre_m(i).x(), LandmarkGeometry{}.centre_m(i).y(), 1);
-      const Eigen::Vector2d p = (expected.H_ray_plane * c).hnormalized(), q = (seen->front().H_ray_plane * c).hnormalized();
+      const Eigen::Vector2d p = (expected.H_ray_plane * c).hnormalized(),
+                            q = (seen->front().H_ray_plane * c).hnormalized();
       EXPECT_LT((p - q).norm() * 720, 1.5) << "dot " << i;
     }
   }
