@@ -60,15 +60,15 @@ void run_service(const std::string& config_path, bool live) {
   log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION, config.camera.device, model.width_px,
                         model.height_px, config.pose.solver));
   if (!camera.description.empty()) log.write("camera: " + camera.description);
-  if (!head.description.empty()) log.write("pan/tilt: " + head.description);
   log.write("frame loop: " + realtime_text(config.service.realtime_priority, realtime_refused));
   log.write("memory: " + memory_text(config.service.lock_memory, memory_refused));
   for (const std::string& command : reading_commands(modbus)) log.write("read the position with: " + command);
   if (!modbus.tcp && !modbus.rtu) log.write("no Modbus server: add [modbus.tcp] or [modbus.rtu] to the configuration");
 
   watch_until_signalled(signals,
-                        {frames, reports, health, server, modbus.codec, head.control.get(), head.status_led.get()}, log,
-                        display ? &*display : nullptr);
+                        {frames, reports, health, server, modbus.codec, head.control.get(), head.status_led.get(),
+                         head.lone_power.get(), head.devices},
+                        log, display ? &*display : nullptr);
   frames.stop();
 }
 

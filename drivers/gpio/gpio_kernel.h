@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
+
 namespace ninedot {
 
 struct GpioLine {
@@ -32,11 +34,11 @@ struct GpioRequest {
 class GpioHandle {
  public:
   virtual ~GpioHandle() = default;
-  /// \return  0 or an errno
-  virtual int set(bool active) noexcept = 0;
-  /// \return  1 active, 0 not, below 0: a negative errno
-  virtual int get() noexcept = 0;
-  /// Becomes readable at an edge; of an input only.
+  /// \error  kIo with errno
+  virtual Result<void> set(bool active) noexcept = 0;
+  /// \return  whether it is active \error  kIo with errno
+  virtual Result<bool> get() noexcept = 0;
+  /// Becomes readable at an edge; of an input only. -1: there is none.
   virtual int event_fd() const noexcept = 0;
   /// Forgets the edges that were seen so far.
   virtual void drop_events() noexcept = 0;

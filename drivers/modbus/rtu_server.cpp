@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "base/baud_rates.h"
 #include "base/contract.h"
 #include "base/startup_error.h"
 #include "drivers/modbus/request.h"
@@ -21,8 +22,6 @@
 
 namespace ninedot {
 namespace {
-
-constexpr std::array kBaudRates = {1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, 921600};
 
 /// Section 2.5.1.1: above 19200 baud a fixed 1.75 ms instead of 3.5 characters.
 constexpr std::chrono::microseconds kShortestSilence{1750};
@@ -38,7 +37,7 @@ std::chrono::nanoseconds character_time(const ModbusRtuOptions& options) noexcep
 ModbusRtuOptions checked(const ModbusRtuOptions& options) {
   EXPECTS(options.unit >= 1 && options.unit <= 247);
   // libmodbus would silently take 9600 for a rate that it does not know.
-  if (std::find(kBaudRates.begin(), kBaudRates.end(), options.baud) == kBaudRates.end())
+  if (!is_baud_rate(options.baud))
     throw StartupError(ExitStatus::kWrongUsage, fmt::format("{} baud is no rate of a serial line: write one of {}",
                                                             options.baud, fmt::join(kBaudRates, " ")));
   const bool parity_known = options.parity == 'N' || options.parity == 'E' || options.parity == 'O';
@@ -52,8 +51,8 @@ std::string cannot_open(const std::string& device, int error) {
   if (error == ENOENT || error == ENXIO || error == ENODEV)
     advice = "connect the adapter, or correct the device of [modbus.rtu]";
   if (error == EACCES || error == EPERM) advice = "add the service's user to the group dialout";
-  if (error == ENOTTY || error == EINVAL) advice = "this is no serial line; correct the device of [modbus.rtu]";
-  return fmt::format("Modbus RTU cannot open {}: {}; {}", device, std::strerror(error), advice);
+  if (error == ENOTTY || error == EINVAL || error == EISDIR) advice = "this is no serial line; correct the device of [modbus.rtu]";
+  return fmt::format("{}: {}; {}", device, std::strerror(error), advice);
 }
 
 }  // namespace
@@ -83,9 +82,10 @@ RtuServer::RtuServer(RegisterBank& bank, const ModbusRtuOptions& options)
       line_(open_line(options_)),
       receiver_(options.unit),
       started_at_(bank.now()) {
-  if (!line_) throw StartupError(ExitStatus::kWorkFailed, cannot_open(options_.device, errno));
-  fd_ = modbus_get_socket(line_.get());
-  open_ = true;
+  if (line_)
+    take_over_line();
+  else
+    note_absent(errno);
   thread_ = start_server_thread("modbus-rtu", [this]() noexcept { run(); });
 }
 
@@ -94,27 +94,44 @@ RtuServer::~RtuServer() {
   thread_.join();
 }
 
+void RtuServer::take_over_line() noexcept {
+  fd_ = modbus_get_socket(line_.get());
+  open_ = true;
+  problem_.set("");
+}
+
+void RtuServer::note_absent(int error) {
+  try {
+    refuse_device(cannot_open(options_.device, error), error);
+  } catch (const DeviceAbsent& absent) {
+    problem_.set(absent.what());
+  }
+}
+
 void RtuServer::run() noexcept {
   for (;;) {
+    if (!line_ && !reopen()) return;
     if (serve_until_lost() == LineState::kStopping) return;
     open_ = false;
+    problem_.set(options_.device + ": the line is gone");
     losses_.fetch_add(1, std::memory_order_relaxed);
     bank_.counters.bus_errors.fetch_add(1, std::memory_order_relaxed);
     bank_.client_left(session_);
     session_ = {};
     receiver_.give_up();
     line_.reset();
-    if (!reopen()) return;
-    open_ = true;
   }
 }
 
 bool RtuServer::reopen() noexcept {
   for (Backoff backoff; !is_rung_within(stop_, backoff.next());) {
     line_ = open_line(options_);
-    if (!line_) continue;
-    fd_ = modbus_get_socket(line_.get());
-    return true;
+    const int error = errno;
+    if (line_) {
+      take_over_line();
+      return true;
+    }
+    problem_.set(cannot_open(options_.device, error));
   }
   return false;
 }
@@ -218,6 +235,7 @@ void RtuServer::publish_counts() noexcept {
   const std::uint64_t broken = receiver_.broken_frames();
   bank_.counters.bus_errors.fetch_add(broken - counted_broken_, std::memory_order_relaxed);
   counted_broken_ = broken;
+  unreadable_.store(broken, std::memory_order_relaxed);
   foreign_.store(receiver_.foreign_frames(), std::memory_order_relaxed);
 }
 
@@ -231,6 +249,7 @@ void RtuServer::append_clients(std::vector<ConnectedClient>& clients) const {
 
 void RtuServer::add_to(ModbusCounters& counters) const noexcept {
   counters.foreign_frames += foreign_.load(std::memory_order_relaxed);
+  counters.unreadable_frames += unreadable_.load(std::memory_order_relaxed);
   counters.serial_losses += losses_.load(std::memory_order_relaxed);
   counters.serial_open = open_.load(std::memory_order_relaxed);
 }

@@ -17,7 +17,7 @@
 #include <string>
 
 #include "base/contract.h"
-#include "base/startup_error.h"
+#include "drivers/posix/late_device.h"
 #include "drivers/posix/open_advice.h"
 #include "drivers/posix/poll_until.h"
 
@@ -106,7 +106,7 @@ std::string cannot_start(const ViscaOptions& options, const ViscaDialogue& dialo
 
 ViscaTty open_or_refuse(const std::string& device) {
   auto tty = ViscaTty::open(device);
-  if (!tty) throw StartupError(ExitStatus::kWrongUsage, cannot_open(device, tty.error().os_errno));
+  if (!tty) refuse_device(cannot_open(device, tty.error().os_errno), tty.error().os_errno);
   return *std::move(tty);
 }
 
@@ -140,7 +140,7 @@ void ViscaPanTilt::start() {
   tty_.emplace(open_or_refuse(options_.device));
   dialogue_.begin(mono_now());
   if (talk(true) == LineState::kGood) return;
-  throw StartupError(ExitStatus::kWorkFailed, cannot_start(options_, dialogue_, dialogue_.problem(mono_now())));
+  throw DeviceAbsent(cannot_start(options_, dialogue_, dialogue_.problem(mono_now())), ExitStatus::kWorkFailed);
 }
 
 void ViscaPanTilt::leave_order(ViscaOrder::Kind kind, const ViscaPosition& position) noexcept {

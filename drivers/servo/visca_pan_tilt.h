@@ -25,8 +25,9 @@ class ViscaPanTilt final : public PanTilt {
  public:
   /// Sets addresses and zoom, asks for the position, and sends the head to `neutral` without waiting for its arrival.
   /// \param axes  angles to steps as the camera counts them
-  /// Throws StartupError, one line that says what to do: kWrongUsage for an option out of its range and for a port that
-  /// can't be opened; kWorkFailed when no camera answers within answer_timeout, or the lens does not reach its zoom.
+  /// Throws StartupError(kWrongUsage), one line that says what to do, for an option out of its range and for a device
+  /// that is no serial port; DeviceAbsent for a port that can't be opened, and when no camera answers within
+  /// answer_timeout or the lens does not reach its zoom.
   ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes, const HeadAngles& neutral);
   /// A motion under way goes on to its target.
   ~ViscaPanTilt() override;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/baud_rates.h"
 #include "config/head_options.h"
 
 namespace ninedot {
@@ -93,11 +94,9 @@ void check_modbus(const Config& config, ConfigProblems& problems) {
     if (!is_network(peer))
       problems.add(problems.line_of("modbus.tcp.allow"),
                    fmt::format("'allow' lists '{}'; write addresses like 10.0.0.1 or 10.0.0.0/8", peer));
-  constexpr std::array kRates{1200,   2400,   4800,   9600,   19200,  38400, 57600,
-                              115200, 230400, 460800, 500000, 576000, 921600};
-  if (std::ranges::find(kRates, config.modbus_rtu.baud) == kRates.end())
+  if (!is_baud_rate(config.modbus_rtu.baud))
     problems.add(problems.line_of("modbus.rtu.baud"),
-                 fmt::format("'baud' is {}; write a standard rate like 9600, 19200 or 115200", config.modbus_rtu.baud));
+                 fmt::format("'baud' is {}; write one of {}", config.modbus_rtu.baud, fmt::join(kBaudRates, ", ")));
   if (config.modbus_rtu.device.empty()) problems.add(problems.line_of("modbus.rtu.device"), "'device' is empty");
 }
 

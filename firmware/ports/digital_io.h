@@ -1,5 +1,6 @@
 #pragma once
 /// Single digital lines. Implemented in drivers/gpio.
+#include "base/result.h"
 
 namespace ninedot {
 
@@ -8,8 +9,8 @@ class DigitalOutput {
  public:
   /// The destructor gives the line back to the kernel.
   virtual ~DigitalOutput() = default;
-  /// \return  0 or an errno
-  virtual int set(bool active) noexcept = 0;
+  /// \error  kIo with errno: the line could not be driven
+  virtual Result<void> set(bool active) noexcept = 0;
 };
 
 /// Never waits: for the frame path. Threads: any.

@@ -12,6 +12,7 @@
 #include "config/head_options.h"
 #include "drivers/gpio/gpio_lines.h"
 #include "drivers/servo/gpio_pan_tilt.h"
+#include "drivers/servo/late_pan_tilt.h"
 #include "drivers/servo/simulated_pan_tilt.h"
 #include "drivers/servo/sysfs_pwm.h"
 #include "drivers/servo/visca_pan_tilt.h"
@@ -70,27 +71,96 @@ GpioBias bias_of(const std::string& name) {
   return name == "pull-up" ? GpioBias::kPullUp : name == "pull-down" ? GpioBias::kPullDown : GpioBias::kUnchanged;
 }
 
+/// Servos and what powers them, as one head: the power goes off before the pulses end.
+class PoweredHead final : public PanTilt {
+ public:
+  PoweredHead(std::unique_ptr<PanTilt> servos, std::unique_ptr<DigitalOutput> power) noexcept
+      : servos_(std::move(servos)), power_(std::move(power)) {}
+  void move_to(const HeadAngles& angles) noexcept override { servos_->move_to(angles); }
+  void stop() noexcept override { servos_->stop(); }
+  HeadState state() const noexcept override { return servos_->state(); }
+
+ private:
+  const std::unique_ptr<PanTilt> servos_;
+  const std::unique_ptr<DigitalOutput> power_;  // after servos_: destroyed first
+};
+
+/// Opens servos, then power. What an attempt got stays open for the next one, so that a head whose power line is
+/// missing is not opened again and again. Threads: one at a time; `description` any.
+class HeadOpener {
+ public:
+  HeadOpener(const PanTiltConfig& head, const GpioConfig& gpio)
+      : config_(head), power_line_{gpio.servo_power, gpio.servo_power_active_low} {}
+
+  std::unique_ptr<PanTilt> open() {
+    if (!servos_) {
+      std::string description = fmt::format("{}, {}", config_.driver,
+                                            config_.follow ? "follows the landmark" : "stays until a command comes");
+      servos_ = open_servos(config_, description);
+      description_.set(description);
+    }
+    // Last: the servos' signals stand before they get power, so nothing jumps.
+    std::unique_ptr<DigitalOutput> power;
+    if (!power_line_.line.empty()) {
+      power = open_gpio_output(power_line_);
+      if (const Result<void> done = power->set(true); !done)
+        throw DeviceAbsent(fmt::format("GPIO line '{}': {}", power_line_.line, std::strerror(done.error().os_errno)));
+    }
+    return std::make_unique<PoweredHead>(std::move(servos_), std::move(power));
+  }
+  std::string description() const { return description_.read(); }
+
+ private:
+  const PanTiltConfig config_;
+  const GpioLineOptions power_line_;
+  std::unique_ptr<PanTilt> servos_;
+  DeviceProblem description_;
+};
+
+std::unique_ptr<PanTilt> open_late(const Config& config, const DigitalInput* inhibit,
+                                   std::vector<WatchedDevice>& devices) {
+  const auto opener = std::make_shared<HeadOpener>(config.pan_tilt, config.gpio);
+  LatePanTiltOptions options;
+  options.neutral = aim_options(config.pan_tilt).neutral;
+  options.reopens_failed = config.pan_tilt.driver != "visca";
+  if (inhibit != nullptr) options.may_move = [inhibit] { return !inhibit->is_active(); };
+  auto head = std::make_unique<LatePanTilt>([opener] { return opener->open(); }, options);
+  devices.push_back(
+      {"pan/tilt", [late = head.get()] { return late->problem(); }, [opener] { return opener->description(); }});
+  return head;
+}
+
+std::unique_ptr<DigitalOutput> open_late_output(const char* name, const GpioLineOptions& options,
+                                                std::vector<WatchedDevice>& devices) {
+  // Refuses here what no waiting mends; the rest shows when it is set.
+  try {
+    find_gpio_line(options, list_gpio_chips());
+  } catch (const DeviceAbsent&) {
+  }
+  auto output = std::make_unique<LateGpioOutput>([options] { return open_gpio_output(options); });
+  devices.push_back({name, [late = output.get()] { return late->problem(); }, nullptr});
+  return output;
+}
+
 }  // namespace
 
 OpenedHead open_head(const Config& config, const CameraModel& camera) {
   OpenedHead head;
   const GpioConfig& gpio = config.gpio;
-  if (!gpio.status_led.empty()) head.status_led = open_gpio_output({gpio.status_led, gpio.status_led_active_low});
-  if (!gpio.inhibit.empty())
-    head.inhibit = open_gpio_input({gpio.inhibit, gpio.inhibit_active_low, bias_of(gpio.inhibit_bias)});
+  if (!gpio.status_led.empty())
+    head.status_led = open_late_output("status LED", {gpio.status_led, gpio.status_led_active_low}, head.devices);
+  if (!gpio.inhibit.empty()) {
+    const GpioLineOptions line{gpio.inhibit, gpio.inhibit_active_low, bias_of(gpio.inhibit_bias)};
+    auto inhibit = std::make_unique<InhibitInput>([line] { return open_gpio_handle(line); });
+    head.devices.push_back({"inhibit input", [late = inhibit.get()] { return late->problem(); }, nullptr});
+    head.inhibit = std::move(inhibit);
+  }
   if (config.pan_tilt.driver != "none") {
-    head.description = fmt::format("{}, {}", config.pan_tilt.driver,
-                                   config.pan_tilt.follow ? "follows the landmark" : "stays until a command comes");
-    head.servos = open_servos(config.pan_tilt, head.description);
+    head.servos = open_late(config, head.inhibit.get(), head.devices);
     head.control = std::make_unique<HeadControl>(camera, aim_options(config.pan_tilt), *head.servos, head.inhibit.get(),
                                                  first_order(config.pan_tilt));
-  }
-  // Last: the servos' signals stand before they get power, so nothing jumps.
-  if (!gpio.servo_power.empty()) {
-    head.servo_power = open_gpio_output({gpio.servo_power, gpio.servo_power_active_low});
-    if (const int error = head.servo_power->set(true); error != 0)
-      throw StartupError(ExitStatus::kWrongUsage,
-                         fmt::format("GPIO line '{}': {}", gpio.servo_power, std::strerror(error)));
+  } else if (!gpio.servo_power.empty()) {
+    head.lone_power = open_late_output("servo power", {gpio.servo_power, gpio.servo_power_active_low}, head.devices);
   }
   return head;
 }

@@ -1,8 +1,10 @@
 #include "drivers/posix/backoff.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
-#include <csignal>
+#include <array>
+#include <cerrno>
 #include <thread>
 
 #include "drivers/posix/poll_until.h"
@@ -42,21 +44,20 @@ TEST(Backoff, APauseLastsItsTimeAndEndsAtOnceWhenRung) {
   EXPECT_TRUE(is_rung_within(wake, 1h)) << "once rung, for ever";
 }
 
-TEST(PollUntil, SaysNothingOfDescriptorsWhenItWasInterrupted) {
-  struct sigaction ignore {};
-  ignore.sa_handler = [](int) {};
-  struct sigaction before {};
-  ASSERT_EQ(::sigaction(SIGUSR1, &ignore, &before), 0);
-  const WakeUp never;
-  pollfd polled{never.get(), POLLIN, POLLIN};
-  const auto self = ::pthread_self();
-  std::jthread sender([&] {
-    std::this_thread::sleep_for(20ms);
-    ::pthread_kill(self, SIGUSR1);
-  });
-  EXPECT_EQ(poll_until(std::span(&polled, 1), mono_now() + 1h), -1);
-  EXPECT_EQ(polled.revents, 0);
-  ::sigaction(SIGUSR1, &before, nullptr);
+TEST(PollUntil, SaysNothingOfDescriptorsWhenItFailed) {
+  const WakeUp wake;
+  wake.ring();
+  std::array<pollfd, 1> polled{{{wake.get(), POLLIN, POLLIN}}};
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);  // more descriptors than allowed: EINVAL
+  const int ready = poll_until(polled, mono_now() + 1h);
+  const int error = errno;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_EQ(ready, -1);
+  EXPECT_EQ(error, EINVAL);
+  EXPECT_EQ(polled[0].revents, 0);
 }
 
 TEST(PollUntil, LooksOnceWhenItsTimeHasPassed) {
