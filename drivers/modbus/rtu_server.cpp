@@ -5,12 +5,15 @@
 
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include "base/baud_rates.h"
 #include "base/contract.h"
@@ -51,11 +54,27 @@ std::string cannot_open(const std::string& device, int error) {
   if (error == ENOENT || error == ENXIO || error == ENODEV)
     advice = "connect the adapter, or correct the device of [modbus.rtu]";
   if (error == EACCES || error == EPERM) advice = "add the service's user to the group dialout";
-  if (error == ENOTTY || error == EINVAL || error == EISDIR) advice = "this is no serial line; correct the device of [modbus.rtu]";
+  if (error == ENOTTY || error == EINVAL || error == EISDIR)
+    advice = "this is no serial line; correct the device of [modbus.rtu]";
   return fmt::format("{}: {}; {}", device, std::strerror(error), advice);
 }
 
 }  // namespace
+
+void check_rtu_line(const ModbusRtuOptions& options) {
+  const std::string device = checked(options).device;
+  struct stat status {};
+  if (const int error = ::stat(device.c_str(), &status) != 0 ? errno : 0; error != 0)
+    refuse_device(cannot_open(device, error), error);
+  // The kernel's own word for what a device is; pseudo-terminals have none.
+  std::error_code none;
+  const auto subsystem = std::filesystem::read_symlink(
+      fmt::format("/sys/dev/char/{}:{}/subsystem", major(status.st_rdev), minor(status.st_rdev)), none);
+  if (!S_ISCHR(status.st_mode) || (!none && subsystem.filename() != "tty"))
+    refuse_device(cannot_open(device, ENOTTY), ENOTTY);
+  if (const int error = ::access(device.c_str(), R_OK | W_OK) != 0 ? errno : 0; error != 0)
+    refuse_device(cannot_open(device, error), error);
+}
 
 void RtuServer::CloseLine::operator()(modbus_t* line) const noexcept {
   // Unsent bytes would make close() wait, up to 30 s on a line whose other end is gone.

@@ -79,4 +79,8 @@ class RtuServer {
   std::thread thread_;
 };
 
+/// What RtuServer would refuse or wait for, as far as can be seen without opening the line, which a running service may
+/// be using. Throws DeviceAbsent: it is not there, or not permitted; StartupError(kWrongUsage) as RtuServer.
+void check_rtu_line(const ModbusRtuOptions& options);
+
 }  // namespace ninedot
