@@ -8,6 +8,7 @@
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -111,9 +112,11 @@ void check_modbus_tcp(const ModbusTcpConfig& tcp, Findings& findings) {
                               error == EADDRINUSE ? ": stop the program that uses it, or choose another port" : ""));
 }
 
-void print_summary(const Config& config) {
-  fmt::print("  camera    {} {}, {}x{} px, {} Hz\n", config.camera.source, config.camera.device, config.camera.width_px,
-             config.camera.height_px, config.camera.rate_hz);
+/// \param camera  nothing where no calibration was read
+void print_summary(const Config& config, const std::optional<CameraModel>& camera) {
+  fmt::print("  camera    {} {}, {}x{} px, {} Hz{}\n", config.camera.source, config.camera.device,
+             config.camera.width_px, config.camera.height_px, config.camera.rate_hz,
+             camera ? fmt::format(", f = {:.1f} px", camera->fx_px) : "");
   fmt::print("  landmark  ring radius {} mm, dots {} mm, centre dot {} mm\n", config.landmark.ring_radius_mm,
              config.landmark.dot_diameter_mm, config.landmark.centre_diameter_mm);
   fmt::print("  pose      solver {}\n", config.pose.solver);
@@ -130,12 +133,19 @@ void print_summary(const Config& config) {
     fmt::print("  modbus    none: add [modbus.tcp] or [modbus.rtu] to be read\n");
 }
 
-void check_devices(const Config& config, const ConfigProblems& problems, CameraModel& camera, Findings& findings) {
+void check_devices(const Config& config, const ConfigProblems& problems, std::optional<CameraModel>& camera,
+                   Findings& findings) {
   if (config.modbus_tcp.enabled && !problems.is_in("modbus")) check_modbus_tcp(config.modbus_tcp, findings);
   if (config.modbus_rtu.enabled)
     findings.attempt("modbus.rtu.device", [&] { check_rtu_line(modbus_options(config).rtu.value()); });
-  findings.attempt("camera.device", [&] { open_source(config.camera, FrameDemand::kEveryFrame); });
-  findings.attempt("camera.calibration", [&] { camera = read_camera_calibration(config.camera); });
+  bool has_recording = config.camera.source != "recording";
+  findings.attempt("camera.device", [&] {
+    open_source(config.camera, FrameDemand::kEveryFrame);
+    has_recording = true;
+  });
+  // A recording that is not there has no calibration either; that is no second mistake.
+  if (has_recording || !config.camera.calibration.empty())
+    findings.attempt("camera.calibration", [&] { camera = read_camera_calibration(config.camera); });
   check_head(config, [&](const char* key, const std::function<void()>& step) { findings.attempt(key, step); });
 }
 
@@ -143,7 +153,7 @@ void run_check(const std::string& path, bool file_only) {
   ConfigProblems problems;
   const Config config = read_config(path, problems);
   Findings findings(path, problems);
-  CameraModel camera;
+  std::optional<CameraModel> camera;
   bool is_source_known = false;
   findings.attempt("camera.source", [&] {
     check_source(config.camera);
@@ -155,7 +165,7 @@ void run_check(const std::string& path, bool file_only) {
   if (!file_only && is_source_known) check_devices(config, problems, camera, findings);
   findings.conclude([&] {
     fmt::print("{}: ok\n", path);
-    print_summary(config);
+    print_summary(config, camera);
   });
 }
 

@@ -94,10 +94,11 @@ std::string realtime_text(int priority, int refused_errno) {
                      priority, std::strerror(refused_errno));
 }
 
-std::string memory_text(bool wanted, int refused_errno) {
+std::string memory_text(bool wanted, const Result<void>& locked) {
   if (!wanted) return "not locked, as configured";
-  if (refused_errno == 0) return "locked";
-  return fmt::format("not locked ({}): allow it with LimitMEMLOCK= or `ulimit -l`", std::strerror(refused_errno));
+  if (locked) return "locked";
+  return fmt::format("not locked ({}): allow it with LimitMEMLOCK= or `ulimit -l`",
+                     std::strerror(locked.error().os_errno));
 }
 
 }  // namespace ninedot

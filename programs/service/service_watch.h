@@ -30,6 +30,6 @@ void watch_until_signalled(const TerminationSignals& signals, const RunningServi
 /// "SCHED_FIFO 50", or why not and what to do about it.
 std::string realtime_text(int priority, int refused_errno);
 /// "locked", or why not and what to do about it.
-std::string memory_text(bool wanted, int refused_errno);
+std::string memory_text(bool wanted, const Result<void>& locked);
 
 }  // namespace ninedot
