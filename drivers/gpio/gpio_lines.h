@@ -53,7 +53,7 @@ class LateGpioOutput final : public DigitalOutput {
   Backoff backoff_;
   MonoTime attempt_at_{};
   std::unique_ptr<DigitalOutput> output_;
-  DeviceProblem problem_;
+  DeviceNote problem_;
 };
 
 /// An input that inhibits. Its thread follows the edges, so that asking costs nothing, and opens the line when its chip
@@ -81,7 +81,7 @@ class InhibitInput final : public DigitalInput {
 
   const Open open_;
   Backoff backoff_;
-  DeviceProblem problem_;
+  DeviceNote problem_;
   WakeUp stop_;
   std::unique_ptr<GpioHandle> handle_;
   std::atomic<bool> active_{true};

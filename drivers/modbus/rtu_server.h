@@ -63,7 +63,7 @@ class RtuServer {
   const std::chrono::nanoseconds frame_silence_;
   Line line_;
   int fd_ = -1;  // belongs to line_
-  DeviceProblem problem_;
+  DeviceNote problem_;
   WakeUp stop_;
 
   RtuReceiver receiver_;

@@ -22,8 +22,9 @@ class DeviceAbsent : public StartupError {
 /// name is of something that will never be such a device: no terminal, a folder, a rate that it does not have.
 [[noreturn]] void refuse_device(const std::string& line, int error);
 
-/// Why a device is not in use; empty: it is. Memory: allocates. Threads: any.
-class DeviceProblem {
+/// One line about a device, from the thread that opens it to the one that writes the log: why it is not in use (empty:
+/// it is), or what there is to say about it. Memory: allocates. Threads: any.
+class DeviceNote {
  public:
   void set(std::string line) {
     const std::lock_guard lock(mutex_);
@@ -41,8 +42,7 @@ class DeviceProblem {
 
 /// One attempt. \return  null: refused, and `problem` says why; else it is empty
 template <typename Device>
-std::unique_ptr<Device> try_open(const std::function<std::unique_ptr<Device>()>& open,
-                                 DeviceProblem& problem) noexcept {
+std::unique_ptr<Device> try_open(const std::function<std::unique_ptr<Device>()>& open, DeviceNote& problem) noexcept {
   try {
     std::unique_ptr<Device> device = open();
     problem.set("");
@@ -56,7 +56,7 @@ std::unique_ptr<Device> try_open(const std::function<std::unique_ptr<Device>()>&
 /// Attempts with pauses between them, a pause first. \return  null: `stop` was rung
 template <typename Device>
 std::unique_ptr<Device> open_patiently(const std::function<std::unique_ptr<Device>()>& open, Backoff& backoff,
-                                       const WakeUp& stop, DeviceProblem& problem) noexcept {
+                                       const WakeUp& stop, DeviceNote& problem) noexcept {
   while (!is_rung_within(stop, backoff.next()))
     if (std::unique_ptr<Device> device = try_open(open, problem)) return device;
   return nullptr;

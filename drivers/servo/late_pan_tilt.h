@@ -60,7 +60,7 @@ class LatePanTilt final : public PanTilt {
 
   const Open open_;
   LatePanTiltOptions options_;
-  DeviceProblem problem_;
+  DeviceNote problem_;
   std::unique_ptr<PanTilt> head_;  // of its owner
   std::atomic<Owner> owner_{Owner::kThread};
   std::atomic<bool> failed_{false};               // an attempt to open it

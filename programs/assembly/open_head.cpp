@@ -13,6 +13,7 @@
 #include "drivers/gpio/gpio_lines.h"
 #include "drivers/servo/gpio_pan_tilt.h"
 #include "drivers/servo/late_pan_tilt.h"
+#include "drivers/servo/powered_head.h"
 #include "drivers/servo/simulated_pan_tilt.h"
 #include "drivers/servo/sysfs_pwm.h"
 #include "drivers/servo/visca_pan_tilt.h"
@@ -71,62 +72,27 @@ GpioBias bias_of(const std::string& name) {
   return name == "pull-up" ? GpioBias::kPullUp : name == "pull-down" ? GpioBias::kPullDown : GpioBias::kUnchanged;
 }
 
-/// Servos and what powers them, as one head: the power goes off before the pulses end.
-class PoweredHead final : public PanTilt {
- public:
-  PoweredHead(std::unique_ptr<PanTilt> servos, std::unique_ptr<DigitalOutput> power) noexcept
-      : servos_(std::move(servos)), power_(std::move(power)) {}
-  void move_to(const HeadAngles& angles) noexcept override { servos_->move_to(angles); }
-  void stop() noexcept override { servos_->stop(); }
-  HeadState state() const noexcept override { return servos_->state(); }
-
- private:
-  const std::unique_ptr<PanTilt> servos_;
-  const std::unique_ptr<DigitalOutput> power_;  // after servos_: destroyed first
-};
-
-/// Opens servos, then power. What an attempt got stays open for the next one, so that a head whose power line is
-/// missing is not opened again and again. Threads: one at a time; `description` any.
-class HeadOpener {
- public:
-  HeadOpener(const PanTiltConfig& head, const GpioConfig& gpio)
-      : config_(head), power_line_{gpio.servo_power, gpio.servo_power_active_low} {}
-
-  std::unique_ptr<PanTilt> open() {
-    if (!servos_) {
-      std::string description = fmt::format("{}, {}", config_.driver,
-                                            config_.follow ? "follows the landmark" : "stays until a command comes");
-      servos_ = open_servos(config_, description);
-      description_.set(description);
-    }
-    // Last: the servos' signals stand before they get power, so nothing jumps.
-    std::unique_ptr<DigitalOutput> power;
-    if (!power_line_.line.empty()) {
-      power = open_gpio_output(power_line_);
-      if (const Result<void> done = power->set(true); !done)
-        throw DeviceAbsent(fmt::format("GPIO line '{}': {}", power_line_.line, std::strerror(done.error().os_errno)));
-    }
-    return std::make_unique<PoweredHead>(std::move(servos_), std::move(power));
-  }
-  std::string description() const { return description_.read(); }
-
- private:
-  const PanTiltConfig config_;
-  const GpioLineOptions power_line_;
-  std::unique_ptr<PanTilt> servos_;
-  DeviceProblem description_;
-};
-
 std::unique_ptr<PanTilt> open_late(const Config& config, const DigitalInput* inhibit,
                                    std::vector<WatchedDevice>& devices) {
-  const auto opener = std::make_shared<HeadOpener>(config.pan_tilt, config.gpio);
+  const auto description = std::make_shared<DeviceNote>();
+  const auto servos = [head = config.pan_tilt, description] {
+    std::string text =
+        fmt::format("{}, {}", head.driver, head.follow ? "follows the landmark" : "stays until a command comes");
+    std::unique_ptr<PanTilt> opened = open_servos(head, text);
+    description->set(text);
+    return opened;
+  };
+  PoweredHeadOpener::OpenPower power;
+  if (const GpioConfig& gpio = config.gpio; !gpio.servo_power.empty())
+    power = [line = GpioLineOptions{gpio.servo_power, gpio.servo_power_active_low}] { return open_gpio_output(line); };
+  const auto opener = std::make_shared<PoweredHeadOpener>(servos, power);
   LatePanTiltOptions options;
   options.neutral = aim_options(config.pan_tilt).neutral;
   options.reopens_failed = config.pan_tilt.driver != "visca";
   if (inhibit != nullptr) options.may_move = [inhibit] { return !inhibit->is_active(); };
   auto head = std::make_unique<LatePanTilt>([opener] { return opener->open(); }, options);
   devices.push_back(
-      {"pan/tilt", [late = head.get()] { return late->problem(); }, [opener] { return opener->description(); }});
+      {"pan/tilt", [late = head.get()] { return late->problem(); }, [description] { return description->read(); }});
   return head;
 }
 
