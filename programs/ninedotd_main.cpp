@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <optional>
 
@@ -33,7 +32,8 @@ std::vector<std::string> how_to_read(const ModbusOptions& options) {
 void run_service(const std::string& config_path, bool live) {
   const Config config = read_config(config_path);
   const TerminationSignals signals;  // before the first thread
-  use_small_thread_stacks();
+  // With larger ones the service works as well; less memory is left to others.
+  static_cast<void>(use_small_thread_stacks());
 
   const OpenedSource camera = open_source(config.camera, FrameDemand::kNewest);
   const CameraModel model = read_camera_calibration(config.camera);
@@ -41,12 +41,13 @@ void run_service(const std::string& config_path, bool live) {
   const OpenedHead head = open_head(config, model);
   LatestValue<Report> reports;
   LatestValue<Health> health;
-  const int memory_refused = config.service.lock_memory ? lock_memory() : ECANCELED;
+  const bool wants_lock = config.service.lock_memory;
+  const Result<void> locked = wants_lock ? lock_memory() : Result<void>();
   const std::chrono::duration<double> stall(config.camera.stall_frames / config.camera.rate_hz);
   FrameLoopOptions loop_options;
   loop_options.stall_after =
       std::max(loop_options.stall_after, std::chrono::duration_cast<std::chrono::nanoseconds>(stall));
-  loop_options.memory_locked = memory_refused == 0;
+  loop_options.memory_locked = wants_lock && locked.has_value();
   loop_options.head = head.control.get();
   FrameLoop frames(*camera.frames, localiser, reports, health, loop_options);
   const ModbusOptions modbus = modbus_options(config);
@@ -60,15 +61,15 @@ void run_service(const std::string& config_path, bool live) {
   log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION, config.camera.device, model.width_px,
                         model.height_px, config.pose.solver));
   if (!camera.description.empty()) log.write("camera: " + camera.description);
-  if (!head.description.empty()) log.write("pan/tilt: " + head.description);
   log.write("frame loop: " + realtime_text(config.service.realtime_priority, realtime_refused));
-  log.write("memory: " + memory_text(config.service.lock_memory, memory_refused));
+  log.write("memory: " + memory_text(wants_lock, locked));
   for (const std::string& command : reading_commands(modbus)) log.write("read the position with: " + command);
   if (!modbus.tcp && !modbus.rtu) log.write("no Modbus server: add [modbus.tcp] or [modbus.rtu] to the configuration");
 
   watch_until_signalled(signals,
-                        {frames, reports, health, server, modbus.codec, head.control.get(), head.status_led.get()}, log,
-                        display ? &*display : nullptr);
+                        {frames, reports, health, server, modbus.codec, head.control.get(), head.status_led.get(),
+                         head.lone_power.get(), head.devices},
+                        log, display ? &*display : nullptr);
   frames.stop();
 }
 

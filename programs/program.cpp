@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <string_view>
 
 #include "base/startup_error.h"
 
@@ -12,8 +15,12 @@ namespace ninedot {
 
 int run_program(CLI::App& app, int argc, char** argv, const std::function<void()>& work) {
   const std::string name = app.get_name();
-  const auto failed = [&](const char* line, ExitStatus status) {
-    fmt::print(stderr, "{}: {}\n", name, line);
+  const auto failed = [&](std::string_view lines, ExitStatus status) {
+    while (!lines.empty()) {
+      const std::string_view line = lines.substr(0, lines.find('\n'));
+      fmt::print(stderr, "{}: {}\n", name, line);
+      lines.remove_prefix(std::min(lines.size(), line.size() + 1));
+    }
     return static_cast<int>(status);
   };
   app.set_version_flag("--version", name + " " NINEDOT_VERSION, "print the version and exit");
@@ -24,7 +31,7 @@ int run_program(CLI::App& app, int argc, char** argv, const std::function<void()
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    return failed((std::string(error.what()) + ": see '" + name + " --help'").c_str(), ExitStatus::kWrongUsage);
+    return failed(std::string(error.what()) + ": see '" + name + " --help'", ExitStatus::kWrongUsage);
   } catch (const StartupError& error) {
     return failed(error.what(), error.status);
   } catch (const std::exception& error) {

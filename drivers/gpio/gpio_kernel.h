@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
+
 namespace ninedot {
 
 struct GpioLine {
@@ -34,11 +36,11 @@ struct GpioRequest {
 class GpioHandle {
  public:
   virtual ~GpioHandle() = default;
-  /// \return  0 or an errno
-  virtual int set(bool active) noexcept = 0;
-  /// \return  1 active, 0 not, below 0: a negative errno
-  virtual int get() noexcept = 0;
-  /// Becomes readable at an edge; of an input only. The descriptor stays the handle's.
+  /// \error  kIo with errno
+  virtual Result<void> set(bool active) noexcept = 0;
+  /// \return  whether it is active \error  kIo with errno
+  virtual Result<bool> get() noexcept = 0;
+  /// Becomes readable at an edge; of an input only. -1: there is none. The descriptor stays the handle's.
   virtual int event_fd() const noexcept = 0;
   /// Forgets the edges that were seen so far. Waits for one where there is none: call it when poll() says POLLIN.
   virtual void drop_events() noexcept = 0;

@@ -15,13 +15,19 @@ struct CloseChip {
 };
 using Chip = std::unique_ptr<gpiod_chip, CloseChip>;
 
+constexpr const char *kNotDriven = "the GPIO line cannot be driven", *kNotRead = "the GPIO line cannot be read";
+
 class HandleV1 final : public GpioHandle {
  public:
   HandleV1(Chip chip, gpiod_line* line) noexcept : chip_(std::move(chip)), line_(line) {}
-  int set(bool active) noexcept override { return gpiod_line_set_value(line_, active ? 1 : 0) == 0 ? 0 : errno; }
-  int get() noexcept override {
+  Result<void> set(bool active) noexcept override {
+    if (gpiod_line_set_value(line_, active ? 1 : 0) != 0) return fail(Errc::kIo, kNotDriven, errno);
+    return {};
+  }
+  Result<bool> get() noexcept override {
     const int value = gpiod_line_get_value(line_);
-    return value >= 0 ? value : -errno;
+    if (value < 0) return fail(Errc::kIo, kNotRead, errno);
+    return value != 0;
   }
   int event_fd() const noexcept override { return gpiod_line_event_get_fd(line_); }
   void drop_events() noexcept override {

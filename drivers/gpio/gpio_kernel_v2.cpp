@@ -27,6 +27,7 @@ using Events = std::unique_ptr<gpiod_edge_event_buffer, Free<gpiod_edge_event_bu
 
 // Taken at once; the kernel keeps as many for a line (gpio_v2_line_request.event_buffer_size, linux/gpio.h).
 constexpr std::size_t kEvents = 16;
+constexpr const char *kNotDriven = "the GPIO line cannot be driven", *kNotRead = "the GPIO line cannot be read";
 
 gpiod_line_value value_of(bool active) noexcept { return active ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE; }
 
@@ -34,12 +35,15 @@ class HandleV2 final : public GpioHandle {
  public:
   HandleV2(LineRequest request, unsigned offset)
       : request_(std::move(request)), offset_(offset), events_(gpiod_edge_event_buffer_new(kEvents)) {}
-  int set(bool active) noexcept override {
-    return gpiod_line_request_set_value(request_.get(), offset_, value_of(active)) == 0 ? 0 : errno;
+  Result<void> set(bool active) noexcept override {
+    if (gpiod_line_request_set_value(request_.get(), offset_, value_of(active)) != 0)
+      return fail(Errc::kIo, kNotDriven, errno);
+    return {};
   }
-  int get() noexcept override {
+  Result<bool> get() noexcept override {
     const gpiod_line_value value = gpiod_line_request_get_value(request_.get(), offset_);
-    return value == GPIOD_LINE_VALUE_ERROR ? -errno : value == GPIOD_LINE_VALUE_ACTIVE ? 1 : 0;
+    if (value == GPIOD_LINE_VALUE_ERROR) return fail(Errc::kIo, kNotRead, errno);
+    return value == GPIOD_LINE_VALUE_ACTIVE;
   }
   int event_fd() const noexcept override { return gpiod_line_request_get_fd(request_.get()); }
   void drop_events() noexcept override {

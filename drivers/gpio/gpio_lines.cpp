@@ -1,26 +1,20 @@
 #include "drivers/gpio/gpio_lines.h"
 
 #include <fmt/format.h>
-#include <poll.h>
 #include <pthread.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 
+#include <algorithm>
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <charconv>
+#include <cstring>
 #include <optional>
-#include <thread>
 
-#include "base/startup_error.h"
-#include "drivers/posix/file_descriptor.h"
 #include "drivers/posix/open_advice.h"
+#include "drivers/posix/poll_until.h"
 
 namespace ninedot {
 namespace {
-
-[[noreturn]] void refuse(const std::string& what) { throw StartupError(ExitStatus::kWrongUsage, what); }
 
 struct LabelAndOffset {
   std::string label;
@@ -37,16 +31,24 @@ std::optional<LabelAndOffset> parse_label_and_offset(const std::string& line) {
   return parts;
 }
 
-[[noreturn]] void refuse_missing(const std::string& line, std::span<const GpioChip> chips) {
-  if (chips.empty()) refuse(fmt::format("GPIO line '{}': this machine has no GPIO chip (/dev/gpiochip*)", line));
+[[noreturn]] void refuse_missing(const std::string& line, const std::optional<LabelAndOffset>& parts,
+                                 std::span<const GpioChip> chips) {
+  if (chips.empty())
+    throw DeviceAbsent(fmt::format("GPIO line '{}': this machine has no GPIO chip (/dev/gpiochip*)", line));
   std::string labels;
   for (const GpioChip& chip : chips) {
-    if (chip.open_errno != 0) refuse(fmt::format("GPIO line '{}': {}", line, open_advice(chip.path, chip.open_errno)));
+    if (chip.open_errno != 0)
+      throw DeviceAbsent(fmt::format("GPIO line '{}': {}", line, open_advice(chip.path, chip.open_errno)));
     labels += fmt::format("{}{} ({} lines)", labels.empty() ? "" : ", ", chip.label, chip.lines.size());
   }
-  refuse(
+  const std::string what =
       fmt::format("no GPIO line '{}': write a line's name or LABEL:OFFSET; chips here: {}; `gpioinfo` lists the lines",
-                  line, labels));
+                  line, labels);
+  // The chip is there and has fewer lines: no other one of its label will come.
+  const bool is_beyond =
+      parts && std::ranges::any_of(chips, [&](const GpioChip& c) { return c.label == parts->label; });
+  if (is_beyond || line.empty()) throw StartupError(ExitStatus::kWrongUsage, what);
+  throw DeviceAbsent(what);
 }
 
 class GpioOutput final : public DigitalOutput {
@@ -55,48 +57,10 @@ class GpioOutput final : public DigitalOutput {
   ~GpioOutput() override { static_cast<void>(handle_->set(false)); }
   GpioOutput(const GpioOutput&) = delete;
   GpioOutput& operator=(const GpioOutput&) = delete;
-  int set(bool active) noexcept override { return handle_->set(active); }
+  Result<void> set(bool active) noexcept override { return handle_->set(active); }
 
  private:
   std::unique_ptr<GpioHandle> handle_;
-};
-
-class GpioInput final : public DigitalInput {
- public:
-  explicit GpioInput(std::unique_ptr<GpioHandle> handle)
-      : handle_(std::move(handle)), wake_(::eventfd(0, EFD_CLOEXEC)), active_(handle_->get() != 0) {
-    if (!wake_) throw StartupError(ExitStatus::kWorkFailed, "no event descriptor left for a GPIO input");
-    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
-  }
-  ~GpioInput() override {
-    thread_.request_stop();
-    const std::uint64_t one = 1;
-    static_cast<void>(!::write(wake_.get(), &one, sizeof one));
-    thread_.join();
-  }
-  GpioInput(const GpioInput&) = delete;
-  GpioInput& operator=(const GpioInput&) = delete;
-  bool is_active() const noexcept override { return active_.load(std::memory_order_relaxed); }
-
- private:
-  void run(const std::stop_token& stop) noexcept {
-    pthread_setname_np(pthread_self(), "gpio input");
-    std::array<pollfd, 2> watched{{{handle_->event_fd(), POLLIN, 0}, {wake_.get(), POLLIN, 0}}};
-    while (!stop.stop_requested()) {
-      if (::poll(watched.data(), watched.size(), -1) < 0 && errno != EINTR) break;
-      // A chip that was unplugged answers with an error for good: no reason to ask it again and again.
-      const bool is_gone = (watched[0].revents & (POLLERR | POLLHUP | POLLNVAL)) != 0;
-      if ((watched[0].revents & POLLIN) != 0) handle_->drop_events();
-      // The level counts, not the kind of the last edge: the kernel's queue may have overflown.
-      active_.store(is_gone || handle_->get() != 0, std::memory_order_relaxed);
-      if (is_gone) watched[0].fd = -1;
-    }
-  }
-
-  std::unique_ptr<GpioHandle> handle_;
-  FileDescriptor wake_;
-  std::atomic<bool> active_;
-  std::jthread thread_;  // last: ends before anything it uses
 };
 
 }  // namespace
@@ -110,29 +74,94 @@ GpioRequest find_gpio_line(const GpioLineOptions& options, std::span<const GpioC
           line.name == options.line || (parts && parts->label == chip.label && parts->offset == offset);
       if (!is_meant || options.line.empty()) continue;
       if (!line.consumer.empty())
-        refuse(fmt::format("GPIO line '{}' is in use by '{}': stop that, or choose another line", options.line,
-                           line.consumer));
+        throw DeviceAbsent(fmt::format("GPIO line '{}' is in use by '{}': stop that, or choose another line",
+                                       options.line, line.consumer));
       return {chip.path, offset, options.active_low, "ninedot"};
     }
-  refuse_missing(options.line, chips);
+  refuse_missing(options.line, parts, chips);
 }
 
 std::unique_ptr<DigitalOutput> open_gpio_output(const GpioLineOptions& options) {
   const GpioRequest request = find_gpio_line(options, list_gpio_chips());
   std::unique_ptr<GpioHandle> handle = request_gpio_output(request, false);
-  if (!handle) refuse(fmt::format("GPIO line '{}': {}", options.line, open_advice(request.chip_path, errno)));
+  if (!handle)
+    throw DeviceAbsent(fmt::format("GPIO line '{}': {}", options.line, open_advice(request.chip_path, errno)));
   return std::make_unique<GpioOutput>(std::move(handle));
 }
 
-std::unique_ptr<DigitalInput> watch_gpio_input(std::unique_ptr<GpioHandle> handle) {
-  return std::make_unique<GpioInput>(std::move(handle));
-}
-
-std::unique_ptr<DigitalInput> open_gpio_input(const GpioLineOptions& options) {
+std::unique_ptr<GpioHandle> open_gpio_handle(const GpioLineOptions& options) {
   const GpioRequest request = find_gpio_line(options, list_gpio_chips());
   std::unique_ptr<GpioHandle> handle = request_gpio_input(request, options.bias);
-  if (!handle) refuse(fmt::format("GPIO line '{}': {}", options.line, open_advice(request.chip_path, errno)));
-  return watch_gpio_input(std::move(handle));
+  if (!handle)
+    throw DeviceAbsent(fmt::format("GPIO line '{}': {}", options.line, open_advice(request.chip_path, errno)));
+  return handle;
+}
+
+Result<void> LateGpioOutput::set(bool active) noexcept {
+  if (!output_) {
+    if (mono_now() < attempt_at_) return fail(Errc::kIo, "the GPIO line is not there", ENODEV);
+    output_ = try_open(open_, problem_);
+    attempt_at_ = mono_now() + backoff_.next();
+    if (!output_) return fail(Errc::kIo, "the GPIO line is not there", ENODEV);
+  }
+  const Result<void> done = output_->set(active);
+  if (done) {
+    backoff_.reset();
+    return done;
+  }
+  output_.reset();
+  problem_.set(fmt::format("{} ({})", done.error().text, std::strerror(done.error().os_errno)));
+  return done;
+}
+
+InhibitInput::InhibitInput(Open open, const Backoff& backoff) : open_(std::move(open)), backoff_(backoff) {
+  try {
+    handle_ = open_();
+  } catch (const DeviceAbsent& absent) {
+    problem_.set(absent.what());
+  }
+  if (handle_ && look(mono_now()) == Look::kLost) handle_.reset();
+  thread_ = std::thread([this]() noexcept { run(); });
+}
+
+InhibitInput::~InhibitInput() {
+  stop_.ring();
+  thread_.join();
+}
+
+void InhibitInput::run() noexcept {
+  ::pthread_setname_np(::pthread_self(), "gpio input");
+  for (;;) {
+    if (!handle_) handle_ = open_patiently(open_, backoff_, stop_, problem_);
+    if (!handle_) return;
+    // The first look does not wait for an edge.
+    Look seen = look(mono_now());
+    if (seen == Look::kLevel) backoff_.reset();
+    while (seen == Look::kLevel) seen = look(MonoTime::max());
+    if (seen == Look::kStopping) return;
+    handle_.reset();
+  }
+}
+
+InhibitInput::Look InhibitInput::look(MonoTime wake_at) noexcept {
+  const auto lost = [this](const char* what, int error) {
+    active_.store(true, std::memory_order_relaxed);
+    problem_.set(fmt::format("{} ({})", what, std::strerror(error)));
+    return Look::kLost;
+  };
+  std::array<pollfd, 2> watched{{{handle_->event_fd(), POLLIN, 0}, {stop_.get(), POLLIN, 0}}};
+  // poll() passes over a descriptor that is none: nothing would ever be heard from this line.
+  if (watched[0].fd < 0) return lost("the GPIO line cannot be watched", EBADF);
+  if (poll_until(watched, wake_at) < 0 && errno != EINTR) return lost("the GPIO line cannot be watched", errno);
+  if (watched[1].revents != 0) return Look::kStopping;
+  // What a chip that was unplugged answers, from then on.
+  if ((watched[0].revents & (POLLERR | POLLHUP | POLLNVAL)) != 0) return lost("the GPIO chip is gone", ENODEV);
+  if (watched[0].revents != 0) handle_->drop_events();
+  // The level counts, not the kind of the last edge: the kernel's queue may have overflown.
+  const Result<bool> level = handle_->get();
+  if (!level) return lost(level.error().text, level.error().os_errno);
+  active_.store(*level, std::memory_order_relaxed);
+  return Look::kLevel;
 }
 
 }  // namespace ninedot

@@ -18,6 +18,7 @@ struct ModbusCounters {
   std::uint64_t requests = 0;
   std::uint64_t exceptions = 0;           ///< requests answered with an exception
   std::uint64_t bus_errors = 0;           ///< broken frames and check sums on both, losses of the serial line
+  std::uint64_t unreadable_frames = 0;    ///< of them the broken frames and check sums
   std::uint64_t connections = 0;          ///< accepted
   std::uint64_t refused_connections = 0;  ///< not on the list, or no place
   std::uint64_t expired_connections = 0;  ///< closed by us: idle, not reading its replies, displaced

@@ -5,29 +5,32 @@
 
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
+#include "base/baud_rates.h"
 #include "base/contract.h"
 #include "base/startup_error.h"
 #include "drivers/modbus/request.h"
 #include "drivers/modbus/server_thread.h"
+#include "drivers/posix/backoff.h"
+#include "drivers/posix/poll_until.h"
 
 namespace ninedot {
 namespace {
-
-constexpr std::array kBaudRates = {1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, 921600};
 
 /// Section 2.5.1.1: above 19200 baud a fixed 1.75 ms instead of 3.5 characters.
 constexpr std::chrono::microseconds kShortestSilence{1750};
 /// USB adapters deliver in bursts up to 16 ms apart (FTDI's default latency timer).
 constexpr std::chrono::milliseconds kTornFrameWait{20};
 constexpr std::chrono::seconds kSendTimeout{1};
-constexpr std::chrono::milliseconds kFirstReopenWait{100}, kLongestReopenWait{5000};
 
 std::chrono::nanoseconds character_time(const ModbusRtuOptions& options) noexcept {
   const int bits = 1 + 8 + (options.parity == 'N' ? 0 : 1) + options.stop_bits;
@@ -37,7 +40,7 @@ std::chrono::nanoseconds character_time(const ModbusRtuOptions& options) noexcep
 ModbusRtuOptions checked(const ModbusRtuOptions& options) {
   EXPECTS(options.unit >= 1 && options.unit <= 247);
   // libmodbus would silently take 9600 for a rate that it does not know.
-  if (std::find(kBaudRates.begin(), kBaudRates.end(), options.baud) == kBaudRates.end())
+  if (!is_baud_rate(options.baud))
     throw StartupError(ExitStatus::kWrongUsage, fmt::format("{} baud is no rate of a serial line: write one of {}",
                                                             options.baud, fmt::join(kBaudRates, " ")));
   const bool parity_known = options.parity == 'N' || options.parity == 'E' || options.parity == 'O';
@@ -51,11 +54,27 @@ std::string cannot_open(const std::string& device, int error) {
   if (error == ENOENT || error == ENXIO || error == ENODEV)
     advice = "connect the adapter, or correct the device of [modbus.rtu]";
   if (error == EACCES || error == EPERM) advice = "add the service's user to the group dialout";
-  if (error == ENOTTY || error == EINVAL) advice = "this is no serial line; correct the device of [modbus.rtu]";
-  return fmt::format("Modbus RTU cannot open {}: {}; {}", device, std::strerror(error), advice);
+  if (error == ENOTTY || error == EINVAL || error == EISDIR)
+    advice = "this is no serial line; correct the device of [modbus.rtu]";
+  return fmt::format("{}: {}; {}", device, std::strerror(error), advice);
 }
 
 }  // namespace
+
+void check_rtu_line(const ModbusRtuOptions& options) {
+  const std::string device = checked(options).device;
+  struct stat status {};
+  if (const int error = ::stat(device.c_str(), &status) != 0 ? errno : 0; error != 0)
+    refuse_device(cannot_open(device, error), error);
+  // The kernel's own word for what a device is; pseudo-terminals have none.
+  std::error_code none;
+  const auto subsystem = std::filesystem::read_symlink(
+      fmt::format("/sys/dev/char/{}:{}/subsystem", major(status.st_rdev), minor(status.st_rdev)), none);
+  if (!S_ISCHR(status.st_mode) || (!none && subsystem.filename() != "tty"))
+    refuse_device(cannot_open(device, ENOTTY), ENOTTY);
+  if (const int error = ::access(device.c_str(), R_OK | W_OK) != 0 ? errno : 0; error != 0)
+    refuse_device(cannot_open(device, error), error);
+}
 
 void RtuServer::CloseLine::operator()(modbus_t* line) const noexcept {
   // Unsent bytes would make close() wait, up to 30 s on a line whose other end is gone.
@@ -82,9 +101,10 @@ RtuServer::RtuServer(RegisterBank& bank, const ModbusRtuOptions& options)
       line_(open_line(options_)),
       receiver_(options.unit),
       started_at_(bank.now()) {
-  if (!line_) throw StartupError(ExitStatus::kWorkFailed, cannot_open(options_.device, errno));
-  fd_ = modbus_get_socket(line_.get());
-  open_ = true;
+  if (line_)
+    take_over_line();
+  else
+    note_absent(errno);
   thread_ = start_server_thread("modbus-rtu", [this]() noexcept { run(); });
 }
 
@@ -93,34 +113,46 @@ RtuServer::~RtuServer() {
   thread_.join();
 }
 
+void RtuServer::take_over_line() noexcept {
+  fd_ = modbus_get_socket(line_.get());
+  open_ = true;
+  problem_.set("");
+}
+
+void RtuServer::note_absent(int error) {
+  try {
+    refuse_device(cannot_open(options_.device, error), error);
+  } catch (const DeviceAbsent& absent) {
+    problem_.set(absent.what());
+  }
+}
+
 void RtuServer::run() noexcept {
   for (;;) {
+    if (!line_ && !reopen()) return;
     if (serve_until_lost() == LineState::kStopping) return;
     open_ = false;
+    problem_.set(options_.device + ": the line is gone");
     losses_.fetch_add(1, std::memory_order_relaxed);
     bank_.counters.bus_errors.fetch_add(1, std::memory_order_relaxed);
     bank_.client_left(session_);
     session_ = {};
     receiver_.give_up();
     line_.reset();
-    if (!reopen()) return;
-    open_ = true;
   }
 }
 
 bool RtuServer::reopen() noexcept {
-  std::chrono::milliseconds wait = kFirstReopenWait;
-  for (;;) {
-    pollfd stop{stop_.get(), POLLIN, 0};
-    (void)poll_until(std::span(&stop, 1), bank_.now() + wait);
-    if (stop.revents != 0) return false;
+  for (Backoff backoff; !is_rung_within(stop_, backoff.next());) {
     line_ = open_line(options_);
+    const int error = errno;
     if (line_) {
-      fd_ = modbus_get_socket(line_.get());
+      take_over_line();
       return true;
     }
-    wait = std::min(2 * wait, kLongestReopenWait);
+    problem_.set(cannot_open(options_.device, error));
   }
+  return false;
 }
 
 RtuServer::LineState RtuServer::serve_until_lost() noexcept {
@@ -222,6 +254,7 @@ void RtuServer::publish_counts() noexcept {
   const std::uint64_t broken = receiver_.broken_frames();
   bank_.counters.bus_errors.fetch_add(broken - counted_broken_, std::memory_order_relaxed);
   counted_broken_ = broken;
+  unreadable_.store(broken, std::memory_order_relaxed);
   foreign_.store(receiver_.foreign_frames(), std::memory_order_relaxed);
 }
 
@@ -235,6 +268,7 @@ void RtuServer::append_clients(std::vector<ConnectedClient>& clients) const {
 
 void RtuServer::add_to(ModbusCounters& counters) const noexcept {
   counters.foreign_frames += foreign_.load(std::memory_order_relaxed);
+  counters.unreadable_frames += unreadable_.load(std::memory_order_relaxed);
   counters.serial_losses += losses_.load(std::memory_order_relaxed);
   counters.serial_open = open_.load(std::memory_order_relaxed);
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// Modbus RTU: one thread on one serial line, which may vanish and come back.
+/// Modbus RTU: one thread on one serial line, which may come late, vanish and come back.
 #include <modbus/modbus.h>
 
 #include <array>
@@ -17,6 +17,7 @@
 #include "drivers/modbus/register_bank.h"
 #include "drivers/modbus/rtu_receiver.h"
 #include "drivers/posix/file_descriptor.h"
+#include "drivers/posix/late_device.h"
 
 namespace ninedot {
 
@@ -24,8 +25,8 @@ namespace ninedot {
 /// limit and is not used. The bank must outlive it.
 class RtuServer {
  public:
-  /// Throws StartupError naming the device: kWrongUsage for settings that no line has, kWorkFailed where it can't be
-  /// opened.
+  /// A line that is not there, in use, or not permitted is opened when it can be.
+  /// Throws StartupError(kWrongUsage) naming the device, for settings that no line has and for what is no serial line.
   RtuServer(RegisterBank& bank, const ModbusRtuOptions& options);
   ~RtuServer();
   RtuServer(const RtuServer&) = delete;
@@ -33,6 +34,8 @@ class RtuServer {
 
   void append_clients(std::vector<ConnectedClient>& clients) const;
   void add_to(ModbusCounters& counters) const noexcept;
+  /// Why the line is not open; empty: it is. Any thread.
+  std::string problem() const { return problem_.read(); }
 
  private:
   struct CloseLine {
@@ -42,6 +45,8 @@ class RtuServer {
   enum class LineState : std::uint8_t { kGood, kLost, kStopping };
 
   static Line open_line(const ModbusRtuOptions& options) noexcept;
+  void take_over_line() noexcept;
+  void note_absent(int error);
   void run() noexcept;
   LineState serve_until_lost() noexcept;
   LineState wait_for_bytes(MonoTime wake_at, bool& arrived) noexcept;
@@ -58,6 +63,7 @@ class RtuServer {
   const std::chrono::nanoseconds frame_silence_;
   Line line_;
   int fd_ = -1;  // belongs to line_
+  DeviceNote problem_;
   WakeUp stop_;
 
   RtuReceiver receiver_;
@@ -67,10 +73,14 @@ class RtuServer {
   MonoTime echo_until_{};
 
   std::uint64_t counted_broken_ = 0;
-  std::atomic<std::uint64_t> requests_{0}, foreign_{0}, losses_{0};
+  std::atomic<std::uint64_t> requests_{0}, foreign_{0}, unreadable_{0}, losses_{0};
   std::atomic<bool> open_{false};
   const MonoTime started_at_;
   std::thread thread_;
 };
+
+/// What RtuServer would refuse or wait for, as far as can be seen without opening the line, which a running service may
+/// be using. Throws DeviceAbsent: it is not there, or not permitted; StartupError(kWrongUsage) as RtuServer.
+void check_rtu_line(const ModbusRtuOptions& options);
 
 }  // namespace ninedot

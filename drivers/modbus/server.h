@@ -2,6 +2,7 @@
 /// The Modbus side of the service: TCP, RTU or both, from two mailboxes.
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "base/latest_value.h"
@@ -19,7 +20,7 @@ namespace ninedot {
 /// into the mailboxes. The mailboxes must outlive it.
 class ModbusServer {
  public:
-  /// Throws StartupError where an address or a serial line can't be used; see TcpServer and RtuServer.
+  /// Throws StartupError where an address can't be used or a setting is of no serial line; see TcpServer and RtuServer.
   ModbusServer(const LatestValue<Report>& reports, const LatestValue<Health>& health, const ModbusOptions& options);
 
   /// The port that TCP listens on, 0 without TCP.
@@ -28,6 +29,10 @@ class ModbusServer {
   /// Who is connected now; a serial line that has brought a request counts as a client.
   std::vector<ConnectedClient> clients() const;
   ModbusCounters counters() const noexcept;
+  /// See RtuServer::problem; empty without a serial line, too.
+  std::string serial_problem() const { return rtu_ ? rtu_->problem() : std::string(); }
+  /// See TcpServer::last_refusal.
+  std::string last_refusal() const { return tcp_ ? tcp_->last_refusal() : std::string(); }
 
   /// What a client asks for, at most one thing at a time. Threads: one caller.
   std::optional<ClientCommand> try_take_command() noexcept { return bank_.try_take_command(); }

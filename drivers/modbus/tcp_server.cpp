@@ -12,6 +12,7 @@
 
 #include "base/startup_error.h"
 #include "drivers/modbus/server_thread.h"
+#include "drivers/posix/poll_until.h"
 
 namespace ninedot {
 namespace {
@@ -29,14 +30,13 @@ AddressList resolve_numeric(const std::string& host, std::uint16_t port) {
   hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV | AI_PASSIVE;
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  if (::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) != 0)
-    throw StartupError(
-        ExitStatus::kWrongUsage,
-        fmt::format("Modbus TCP cannot listen on '{}': write a numeric address like 127.0.0.1 or ::", host));
+  if (::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) found = nullptr;
   return {found, &::freeaddrinfo};
 }
 
 std::string cannot_listen(const std::string& host, std::uint16_t port, int error) {
+  if (error == EINVAL)
+    return fmt::format("Modbus TCP cannot listen on '{}': write a numeric address like 127.0.0.1 or ::", host);
   std::string advice = "check the address and port of [modbus.tcp]";
   if (error == EADDRINUSE) advice = "stop the program that uses it, or configure another port in [modbus.tcp]";
   if (error == EACCES) advice = "ports below 1024 need CAP_NET_BIND_SERVICE; configure another port in [modbus.tcp]";
@@ -44,15 +44,26 @@ std::string cannot_listen(const std::string& host, std::uint16_t port, int error
   return fmt::format("Modbus TCP cannot listen on {}:{}: {}; {}", host, port, std::strerror(error), advice);
 }
 
-FileDescriptor listen_on(const std::string& host, std::uint16_t port) {
+/// \error  as try_listen
+Result<FileDescriptor> listen_on(const std::string& host, std::uint16_t port) noexcept {
   const AddressList list = resolve_numeric(host, port);
+  if (!list) return fail(Errc::kIo, "no address", EINVAL);
   FileDescriptor fd(::socket(list->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int on = 1;
   // A restart must not wait for the last connections' TIME_WAIT.
   if (fd) (void)::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  // Two sockets may be bound alike with SO_REUSEADDR; only one may listen.
   if (!fd || ::bind(fd.get(), list->ai_addr, list->ai_addrlen) != 0 || ::listen(fd.get(), kBacklog) != 0)
-    throw StartupError(ExitStatus::kWorkFailed, cannot_listen(host, port, errno));
+    return fail(Errc::kIo, "cannot listen", errno);
   return fd;
+}
+
+FileDescriptor listen_or_refuse(const std::string& host, std::uint16_t port) {
+  Result<FileDescriptor> listener = listen_on(host, port);
+  if (listener) return *std::move(listener);
+  const int error = listener.error().os_errno;
+  throw StartupError(error == EINVAL ? ExitStatus::kWrongUsage : ExitStatus::kWorkFailed,
+                     cannot_listen(host, port, error));
 }
 
 std::uint16_t port_of(int fd) noexcept {
@@ -78,8 +89,16 @@ void tune(int fd) noexcept {
 
 }  // namespace
 
+Result<void> try_listen(const std::string& address, std::uint16_t port) noexcept {
+  NINEDOT_TRY([[maybe_unused]] const FileDescriptor listener, listen_on(address, port));
+  return {};
+}
+
 TcpServer::TcpServer(RegisterBank& bank, const ModbusTcpOptions& options)
-    : bank_(bank), options_(options), filter_(options.allow), listener_(listen_on(options.listen, options.port)) {
+    : bank_(bank),
+      options_(options),
+      filter_(options.allow),
+      listener_(listen_or_refuse(options.listen, options.port)) {
   EXPECTS(options.max_clients >= 1 && options.max_clients <= 64);
   port_ = port_of(listener_.get());
   polled_.reserve(kFirstClientIndex + options.max_clients);
@@ -124,8 +143,10 @@ void TcpServer::serve_round() noexcept {
     const short events = polled_[kFirstClientIndex + i].revents;
     if (events == 0) continue;
     const TcpConnection::Outcome outcome = clients_[i]->serve(bank_, events);
-    if (outcome == TcpConnection::Outcome::kProtocolError)
+    if (outcome == TcpConnection::Outcome::kProtocolError) {
       bank_.counters.bus_errors.fetch_add(1, std::memory_order_relaxed);
+      unreadable_.fetch_add(1, std::memory_order_relaxed);
+    }
     if (outcome != TcpConnection::Outcome::kOpen) drop(i);
   }
   const MonoTime now = bank_.now();
@@ -170,8 +191,12 @@ void TcpServer::accept_clients(MonoTime now) noexcept {
         accept_again_at_ = now + kOutOfDescriptorsPause;
       return;
     }
-    if (!filter_.allows(peer) || !make_room(now)) {
-      refused_.fetch_add(1, std::memory_order_relaxed);
+    if (!filter_.allows(peer)) {
+      note_refused(peer, "is not on the list `allow`");
+      continue;
+    }
+    if (!make_room(now)) {
+      note_refused(peer, "found no place: all of `max_clients` are taken");
       continue;
     }
     tune(fd.get());
@@ -179,6 +204,17 @@ void TcpServer::accept_clients(MonoTime now) noexcept {
     accepted_.fetch_add(1, std::memory_order_relaxed);
     bank_.counters.tcp_clients.store(static_cast<std::uint32_t>(clients_.size()), std::memory_order_relaxed);
   }
+}
+
+void TcpServer::note_refused(const sockaddr_storage& peer, const char* why) noexcept {
+  refused_.fetch_add(1, std::memory_order_relaxed);
+  last_refused_ = peer;
+  why_refused_ = why;
+}
+
+std::string TcpServer::last_refusal() const {
+  const std::lock_guard lock(mutex_);
+  return *why_refused_ == '\0' ? "" : fmt::format("{} {}", peer_text(last_refused_), why_refused_);
 }
 
 void TcpServer::append_clients(std::vector<ConnectedClient>& clients) const {
@@ -190,6 +226,7 @@ void TcpServer::append_clients(std::vector<ConnectedClient>& clients) const {
 
 void TcpServer::add_to(ModbusCounters& counters) const noexcept {
   counters.connections += accepted_.load(std::memory_order_relaxed);
+  counters.unreadable_frames += unreadable_.load(std::memory_order_relaxed);
   counters.refused_connections += refused_.load(std::memory_order_relaxed);
   counters.expired_connections += expired_.load(std::memory_order_relaxed);
 }

@@ -39,19 +39,23 @@ int RealtimeThread::enter() noexcept {
   return pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
 }
 
-int lock_memory() noexcept {
+Result<void> lock_memory() noexcept {
   rlimit limit{};
   const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
-  return mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0 ? 0 : errno;
+  if (mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) != 0)
+    return fail(Errc::kIo, "memory cannot be locked", errno);
+  return {};
 }
 
-int use_small_thread_stacks() noexcept {
+Result<void> use_small_thread_stacks() noexcept {
+  constexpr const char* kRefused = "the size of new threads' stacks cannot be set";
   pthread_attr_t attributes;
-  if (const int error = pthread_attr_init(&attributes); error != 0) return error;
+  if (const int error = pthread_attr_init(&attributes); error != 0) return fail(Errc::kIo, kRefused, error);
   pthread_attr_setstacksize(&attributes, kThreadStack_bytes);
   const int error = pthread_setattr_default_np(&attributes);
   pthread_attr_destroy(&attributes);
-  return error;
+  if (error != 0) return fail(Errc::kIo, kRefused, error);
+  return {};
 }
 
 }  // namespace ninedot

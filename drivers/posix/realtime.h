@@ -1,5 +1,6 @@
 #pragma once
 /// Real-time behaviour asked of Linux: scheduling class, locked memory, stacks without missing pages.
+#include "base/result.h"
 #include "ports/frame_thread.h"
 
 namespace ninedot {
@@ -20,13 +21,13 @@ class RealtimeThread final : public FrameThread {
 
 /// Keeps all pages of this process in memory. Pages to come are included where that cannot make a later allocation
 /// fail: as root, or where RLIMIT_MEMLOCK is unlimited.
-/// \return  0, or the errno that says why not (ENOMEM, EPERM: raise RLIMIT_MEMLOCK).
+/// \error  kIo with the errno that says why not (ENOMEM, EPERM: raise RLIMIT_MEMLOCK).
 /// Threads: any, before the frame loop starts; waits until the pages are there.
-int lock_memory() noexcept;
+Result<void> lock_memory() noexcept;
 
 /// Gives threads started from now on a stack of a size that is worth locking (the default of 8 MiB is not).
-/// \return  0 or an errno.
+/// \error  kIo with errno: threads have the stacks that they had before.
 /// Threads: main, before it starts any other.
-int use_small_thread_stacks() noexcept;
+Result<void> use_small_thread_stacks() noexcept;
 
 }  // namespace ninedot

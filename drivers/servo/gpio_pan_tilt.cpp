@@ -67,13 +67,13 @@ HeadState GpioPanTilt::state() const noexcept {
 
 bool GpioPanTilt::try_pulse(DigitalOutput& line, MonoTime at, std::chrono::nanoseconds width) noexcept {
   sleep_until(at);
-  const int rise_error = line.set(true);
+  const bool is_up = line.set(true).has_value();
   const MonoTime risen = mono_now();
   // Counted from the true rise: its lateness shifts the pulse and does not change its width.
   sleep_until(risen + width);
-  const int fall_error = line.set(false);
+  const bool is_down = line.set(false).has_value();
   errors_.add(mono_now() - risen - width);
-  return rise_error == 0 && fall_error == 0;
+  return is_up && is_down;
 }
 
 void GpioPanTilt::run(const std::stop_token& stop) noexcept {

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/startup_error.h"
+#include "drivers/posix/late_device.h"
 #include "drivers/posix/open_advice.h"
 
 namespace ninedot {
@@ -24,17 +24,16 @@ namespace fs = std::filesystem;
 // udev gives an exported channel to its group a moment after it appeared; two seconds are generous.
 constexpr std::chrono::milliseconds kExportTakes{2000};
 
-[[noreturn]] void refuse(const std::string& what) { throw StartupError(ExitStatus::kWrongUsage, what); }
-
-/// \return  0 or an errno
-int try_write(const std::string& path, std::string_view text) noexcept {
+Result<void> try_write(const std::string& path, std::string_view text) noexcept {
   const FileDescriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-  if (!file) return errno;
-  return ::write(file.get(), text.data(), text.size()) < 0 ? errno : 0;
+  if (!file) return fail(Errc::kIo, "cannot be opened", errno);
+  if (::write(file.get(), text.data(), text.size()) < 0) return fail(Errc::kIo, "cannot be written", errno);
+  return {};
 }
 
 void write(const std::string& path, std::int64_t number) {
-  if (const int error = try_write(path, fmt::format("{}\n", number)); error != 0) refuse(open_advice(path, error));
+  if (const Result<void> done = try_write(path, fmt::format("{}\n", number)); !done)
+    refuse_device(open_advice(path, done.error().os_errno), done.error().os_errno);
 }
 
 int channel_count(const std::string& chip_folder) {
@@ -51,14 +50,17 @@ bool is_folder(const std::string& path) {
 /// A channel that is exported already (a crash left it so) is taken over.
 void export_channel(const std::string& chip_folder, const std::string& channel_folder, int channel) {
   if (!is_folder(channel_folder))
-    if (const int error = try_write(chip_folder + "/export", fmt::format("{}\n", channel)); error != 0)
-      refuse(error == EBUSY
-                 ? fmt::format("{}: channel {} is used by the kernel itself: choose another", chip_folder, channel)
-                 : open_advice(chip_folder + "/export", error));
+    if (const Result<void> done = try_write(chip_folder + "/export", fmt::format("{}\n", channel)); !done) {
+      const int error = done.error().os_errno;
+      refuse_device(error == EBUSY ? fmt::format("{}: channel {} is used by the kernel itself: choose another",
+                                                 chip_folder, channel)
+                                   : open_advice(chip_folder + "/export", error),
+                    error);
+    }
   const std::string duty = channel_folder + "/duty_cycle";
   const auto deadline = std::chrono::steady_clock::now() + kExportTakes;
   while (::access(duty.c_str(), W_OK) != 0) {
-    if (std::chrono::steady_clock::now() > deadline) refuse(open_advice(duty, errno));
+    if (std::chrono::steady_clock::now() > deadline) throw DeviceAbsent(open_advice(duty, errno));
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
 }
@@ -73,18 +75,19 @@ std::string find_pwm_chip(const std::string& root, const std::string& chip) {
     if (device.filename() == chip) return entry.path().string();
     if (!device.empty()) others.push_back(device.filename().string());
   }
-  refuse(fmt::format("no PWM chip '{}' in {}: {}", chip, root,
-                     others.empty() ? "there is none: check the device-tree overlay"
-                                    : fmt::format("there is {}", fmt::join(others, ", "))));
+  throw DeviceAbsent(fmt::format("no PWM chip '{}' in {}: {}", chip, root,
+                                 others.empty() ? "there is none: check the device-tree overlay"
+                                                : fmt::format("there is {}", fmt::join(others, ", "))));
 }
 
 void check_sysfs_pwm(const std::string& root, const std::string& chip, int channel) {
   const std::string folder = find_pwm_chip(root, chip);
   if (const int count = channel_count(folder); channel >= count)
-    refuse(fmt::format("PWM chip '{}' has the channels 0 to {}, no channel {}", chip, count - 1, channel));
+    throw StartupError(ExitStatus::kWrongUsage,
+                       fmt::format("PWM chip '{}' has the channels 0 to {}, no channel {}", chip, count - 1, channel));
   const std::string channel_folder = fmt::format("{}/pwm{}", folder, channel);
   const std::string file = is_folder(channel_folder) ? channel_folder + "/duty_cycle" : folder + "/export";
-  if (::access(file.c_str(), W_OK) != 0) refuse(open_advice(file, errno));
+  if (::access(file.c_str(), W_OK) != 0) throw DeviceAbsent(open_advice(file, errno));
 }
 
 SysfsPwm::SysfsPwm(const std::string& root, const std::string& chip, int channel, std::chrono::nanoseconds period,
@@ -99,8 +102,9 @@ SysfsPwm::SysfsPwm(const std::string& root, const std::string& chip, int channel
   write(duty, 0);
   write(channel_folder_ + "/period", period.count());
   duty_ = FileDescriptor(::open(duty.c_str(), O_WRONLY | O_CLOEXEC));
-  if (!duty_) refuse(open_advice(duty, errno));
-  if (const int error = set_pulse(pulse); error != 0) refuse(open_advice(duty, error));
+  if (!duty_) throw DeviceAbsent(open_advice(duty, errno));
+  if (const Result<void> done = set_pulse(pulse); !done)
+    refuse_device(open_advice(duty, done.error().os_errno), done.error().os_errno);
   write(channel_folder_ + "/enable", 1);
 }
 
@@ -110,14 +114,15 @@ SysfsPwm::~SysfsPwm() {
   static_cast<void>(try_write(chip_folder_ + "/unexport", fmt::format("{}\n", channel_)));
 }
 
-int SysfsPwm::set_pulse(std::chrono::nanoseconds pulse) noexcept {
-  if (pulse.count() == pulse_ns_) return 0;
+Result<void> SysfsPwm::set_pulse(std::chrono::nanoseconds pulse) noexcept {
+  if (pulse.count() == pulse_ns_) return {};
   std::array<char, 24> text{};
   char* const end = std::to_chars(text.data(), text.data() + text.size() - 1, pulse.count()).ptr;
   *end = '\n';
-  if (::pwrite(duty_.get(), text.data(), static_cast<std::size_t>(end - text.data() + 1), 0) < 0) return errno;
+  if (::pwrite(duty_.get(), text.data(), static_cast<std::size_t>(end - text.data() + 1), 0) < 0)
+    return fail(Errc::kIo, "the pulse cannot be set", errno);
   pulse_ns_ = pulse.count();
-  return 0;
+  return {};
 }
 
 SysfsPanTilt::SysfsPanTilt(const SysfsPanTiltOptions& options, const ServoAxes& axes, const HeadAngles& neutral)
@@ -131,12 +136,12 @@ SysfsPanTilt::SysfsPanTilt(const SysfsPanTiltOptions& options, const ServoAxes& 
 
 void SysfsPanTilt::move_to(const HeadAngles& angles) noexcept {
   const ServoAxis::Output pan = axes_.pan.output_at(angles.pan_rad), tilt = axes_.tilt.output_at(angles.tilt_rad);
-  const int pan_error = pan_.set_pulse(pulse_from_us(pan.value));
-  const int tilt_error = tilt_.set_pulse(pulse_from_us(tilt.value));
+  const Result<void> pan_done = pan_.set_pulse(pulse_from_us(pan.value));
+  const Result<void> tilt_done = tilt_.set_pulse(pulse_from_us(tilt.value));
   state_.limited = pan.limited || tilt.limited;
-  state_.failed = pan_error != 0 || tilt_error != 0;
-  if (pan_error == 0) state_.angles.pan_rad = axes_.pan.angle_at(pan.value);
-  if (tilt_error == 0) state_.angles.tilt_rad = axes_.tilt.angle_at(tilt.value);
+  state_.failed = !pan_done || !tilt_done;
+  if (pan_done) state_.angles.pan_rad = axes_.pan.angle_at(pan.value);
+  if (tilt_done) state_.angles.tilt_rad = axes_.tilt.angle_at(tilt.value);
 }
 
 }  // namespace ninedot

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "aim/servo_axis.h"
+#include "base/result.h"
 #include "drivers/posix/file_descriptor.h"
 
 namespace ninedot {
@@ -16,7 +17,8 @@ class SysfsPwm {
   /// \param chip  the name of the chip's device, where its link /sys/class/pwm/pwmchipN/device points to:
   ///              "fe20c000.pwm", "0-0040". Not its number, which changes with kernels and overlays.
   /// \param root  "/sys/class/pwm"; a test puts a tree of plain files there
-  /// Throws StartupError(kWrongUsage): no such chip (names those that are there), no such channel, permission missing.
+  /// Throws DeviceAbsent: no such chip (names those that are there), permission missing; StartupError(kWrongUsage): no
+  /// such channel, a period that the chip can't have.
   SysfsPwm(const std::string& root, const std::string& chip, int channel, std::chrono::nanoseconds period,
            std::chrono::nanoseconds pulse);
   ~SysfsPwm();
@@ -24,8 +26,8 @@ class SysfsPwm {
   SysfsPwm& operator=(const SysfsPwm&) = delete;
 
   /// Writes one number to the kernel; nothing when it is the one before. A processor's own PWM does not wait; a chip
-  /// behind I2C (PCA9685) waits for the bus. Memory: none. \return  0 or an errno
-  int set_pulse(std::chrono::nanoseconds pulse) noexcept;
+  /// behind I2C (PCA9685) waits for the bus. Memory: none. \error  kIo with errno
+  Result<void> set_pulse(std::chrono::nanoseconds pulse) noexcept;
 
  private:
   std::string chip_folder_;

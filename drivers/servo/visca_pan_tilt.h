@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "aim/servo_axis.h"
+#include "drivers/posix/backoff.h"
 #include "drivers/posix/file_descriptor.h"
 #include "drivers/servo/visca_dialogue.h"
 #include "drivers/servo/visca_options.h"
@@ -28,8 +29,9 @@ class ViscaPanTilt final : public PanTilt {
   /// Sets addresses and zoom, asks for the position, and sends the head to `neutral` without waiting for its arrival.
   /// \param axes  angles to steps as the camera counts them
   /// Waits for the camera: as long as its lens takes, zoom_timeout at most.
-  /// Throws StartupError, one line that says what to do: kWrongUsage for an option out of its range and for a port that
-  /// can't be opened; kWorkFailed when no camera answers within answer_timeout, or the lens does not reach its zoom.
+  /// Throws StartupError(kWrongUsage), one line that says what to do, for an option out of its range and for a device
+  /// that is no serial port; DeviceAbsent for a port that can't be opened, and when no camera answers within
+  /// answer_timeout or the lens does not reach its zoom.
   ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes, const HeadAngles& neutral);
   /// A motion under way goes on to its target. Waits for the thread, which waits for nobody by then.
   ~ViscaPanTilt() override;
@@ -57,7 +59,6 @@ class ViscaPanTilt final : public PanTilt {
   LineState talk(bool until_ready) noexcept;
   LineState wait_and_receive() noexcept;
   bool reopen() noexcept;
-  bool wait_to_reopen() noexcept;
   void leave_order(ViscaOrder::Kind kind, const ViscaPosition& position) noexcept;
   void publish() noexcept;
 
@@ -73,9 +74,9 @@ class ViscaPanTilt final : public PanTilt {
 
   ViscaDialogue dialogue_;
   std::optional<ViscaTty> tty_;
-  std::chrono::milliseconds reopen_wait_;
-  std::atomic<bool> ends_{false};
-  FileDescriptor wake_up_;  // an eventfd
+  Backoff backoff_;
+  WakeUp stop_;
+  FileDescriptor ordered_;  // an eventfd
   std::thread thread_;
 };
 

@@ -1,5 +1,5 @@
-// Reads the file against the table in config_reference.cpp. All mistakes are collected and the one nearest to the top
-// of the file is reported, because that is where the user starts to read.
+// Reads the file against the table in config_reference.cpp. All mistakes are collected; who reports a
+// single one takes that nearest to the top of the file, because that is where the user starts to read.
 #include "config/config.h"
 
 #include <fmt/format.h>
@@ -242,22 +242,27 @@ class ConfigReader {
 
 }  // namespace
 
-Config parse_config(std::string_view text, const std::string& name, ConfigProblems& problems) {
-  const auto refuse = [&](int line, std::string_view what) {
-    throw StartupError(ExitStatus::kWrongUsage, one_line(fmt::format("{}:{}: {}", name, line, what)));
-  };
+Config read_config_text(std::string_view text, const std::string& name, ConfigProblems& problems) {
   toml::table root;
   try {
     root = toml::parse(text, name);
   } catch (const toml::parse_error& error) {
-    refuse(static_cast<int>(error.source().begin.line), error.description());
+    problems.add(static_cast<int>(error.source().begin.line), std::string(error.description()));
+    return {};
   }
   Config config = ConfigReader(root, problems).read();
   check_config(config, problems);
-  if (!problems.list.empty()) {
-    const ConfigProblem& first = *std::ranges::min_element(problems.list, {}, &ConfigProblem::line);
-    refuse(first.line, first.what);
-  }
+  std::ranges::stable_sort(problems.list, {}, &ConfigProblem::line);
+  return config;
+}
+
+std::string problem_text(const std::string& name, const ConfigProblem& problem) {
+  return one_line(fmt::format("{}:{}: {}", name, problem.line, problem.what));
+}
+
+Config parse_config(std::string_view text, const std::string& name, ConfigProblems& problems) {
+  Config config = read_config_text(text, name, problems);
+  if (!problems.list.empty()) throw StartupError(ExitStatus::kWrongUsage, problem_text(name, problems.list.front()));
   return config;
 }
 

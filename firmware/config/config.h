@@ -24,7 +24,7 @@ struct CameraConfig {
   std::string power_line = "unchanged";  ///< `power_line`: unchanged | off | 50Hz | 60Hz | automatic
   double readout_us = 0;                 ///< `readout_us`: 0..1e6, end of the exposure to the end of the frame
   int stall_frames = 10;                 ///< `stall_frames`: 3..1000 frame periods without a frame: the camera is lost
-  bool wait_for_device = false;          ///< `wait_for_device`: start without the camera and go on looking for it
+  bool wait_for_device = true;           ///< `wait_for_device`: of older files; `ninedotd` waits whatever it says
   bool loop = true;                      ///< `loop`: a recording starts again at its end
 };
 

@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
-#include <numbers>
 
+#include "base/baud_rates.h"
 #include "config/head_options.h"
+#include "geometry/landmark_faults.h"
+#include "world/landmark_codes.h"
 
 namespace ninedot {
 namespace {
@@ -34,25 +35,19 @@ bool is_network(const std::string& text) {
 }
 
 void check_geometry(const LandmarkConfig& landmark, ConfigProblems& problems) {
-  // Neighbours on a regular octagon are 2 R sin(22.5 deg) apart.
-  const double neighbours_mm = 2 * landmark.ring_radius_mm * std::sin(std::numbers::pi / 8);
-  if (landmark.dot_diameter_mm >= neighbours_mm)
+  const LandmarkFaults faults = find_landmark_faults(
+      {landmark.ring_radius_mm, landmark.dot_diameter_mm / 2, landmark.centre_diameter_mm / 2});  // in mm here
+  if (faults.ring_dots_touch)
     problems.add(problems.line_of("landmark.dot_diameter_mm"),
                  fmt::format("the dots of the ring touch: dot_diameter_mm must be below {:.6g} for ring_radius_mm = {}",
-                             neighbours_mm, landmark.ring_radius_mm));
-  const double room_mm = 2 * landmark.ring_radius_mm - landmark.dot_diameter_mm;
-  if (landmark.centre_diameter_mm >= room_mm)
+                             faults.dot_diameter_below, landmark.ring_radius_mm));
+  if (faults.centre_touches_ring)
     problems.add(problems.line_of("landmark.centre_diameter_mm"),
-                 fmt::format("the centre dot touches the ring: centre_diameter_mm must be below {:.6g}", room_mm));
-  if (landmark.centre_diameter_mm <= landmark.dot_diameter_mm)
+                 fmt::format("the centre dot touches the ring: centre_diameter_mm must be below {:.6g}",
+                             faults.centre_diameter_below));
+  if (faults.centre_not_largest)
     problems.add(problems.line_of("landmark.centre_diameter_mm"),
                  "the centre dot must be larger than the others: that is how it is recognised");
-}
-
-bool is_turn_of(const std::string& a, const std::string& b, std::size_t first_turn) {
-  for (std::size_t turn = first_turn; turn < a.size(); ++turn)
-    if (a.substr(turn) + a.substr(0, turn) == b) return true;
-  return false;
 }
 
 void check_landmarks(const std::vector<MapLandmarkConfig>& landmarks, ConfigProblems& problems) {
@@ -65,18 +60,18 @@ void check_landmarks(const std::vector<MapLandmarkConfig>& landmarks, ConfigProb
   std::vector<std::string> codes;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     std::string code = landmarks[i].code.empty() ? black_and_white : landmarks[i].code;
-    if (code.size() != 8 || code.find_first_not_of("KRGB") != std::string::npos) {
+    if (!is_landmark_code(code)) {
       problems.add(line_of(i, "code"),
                    fmt::format("'code' is '{}'; write eight of K R G B for P1..P8", landmarks[i].code));
       code.clear();
-    } else if (code != black_and_white && is_turn_of(code, code, 1)) {
+    } else if (find_own_turn(code)) {
       problems.add(line_of(i, "code"),
                    fmt::format("'code' {} looks the same when the sheet is turned; choose another", code));
     }
     for (std::size_t j = 0; j < i; ++j) {
       if (landmarks[j].id == landmarks[i].id)
         problems.add(line_of(i, "id"), fmt::format("two landmarks have the id {}", landmarks[i].id));
-      if (!code.empty() && is_turn_of(code, codes[j], 0))
+      if (!code.empty() && is_turn_of(code, codes[j]))
         problems.add(line_of(i, "code"),
                      fmt::format("landmarks {} and {} can't be told apart: their codes are turns of each other",
                                  landmarks[j].id, landmarks[i].id));
@@ -93,11 +88,9 @@ void check_modbus(const Config& config, ConfigProblems& problems) {
     if (!is_network(peer))
       problems.add(problems.line_of("modbus.tcp.allow"),
                    fmt::format("'allow' lists '{}'; write addresses like 10.0.0.1 or 10.0.0.0/8", peer));
-  constexpr std::array kRates{1200,   2400,   4800,   9600,   19200,  38400, 57600,
-                              115200, 230400, 460800, 500000, 576000, 921600};
-  if (std::ranges::find(kRates, config.modbus_rtu.baud) == kRates.end())
+  if (!is_baud_rate(config.modbus_rtu.baud))
     problems.add(problems.line_of("modbus.rtu.baud"),
-                 fmt::format("'baud' is {}; write a standard rate like 9600, 19200 or 115200", config.modbus_rtu.baud));
+                 fmt::format("'baud' is {}; write one of {}", config.modbus_rtu.baud, fmt::join(kBaudRates, ", ")));
   if (config.modbus_rtu.device.empty()) problems.add(problems.line_of("modbus.rtu.device"), "'device' is empty");
 }
 
@@ -116,6 +109,18 @@ int ConfigProblems::line_of(std::string_view key) const {
     if (dot == std::string_view::npos) return 1;
     key = key.substr(0, dot);
   }
+}
+
+bool ConfigProblems::is_in(std::string_view table) const {
+  // The table of a line is that of the nearest key above.
+  const auto table_at = [this](int line) {
+    std::string_view nearest;
+    int best = 0;
+    for (const auto& [key, at] : lines)
+      if (at <= line && at >= best) best = at, nearest = key;
+    return nearest.substr(0, nearest.find('.'));
+  };
+  return std::ranges::any_of(list, [&](const ConfigProblem& problem) { return table_at(problem.line) == table; });
 }
 
 void check_config(const Config& config, ConfigProblems& problems) {

@@ -23,14 +23,21 @@ struct ConfigProblems {
   void add(int line, std::string what) { list.push_back({line, std::move(what)}); }
   /// Line of a key; else of the table it belongs to; else 1.
   int line_of(std::string_view key) const;
+  /// Whether one of them lies in a table: "camera", "modbus" (and its own tables).
+  bool is_in(std::string_view table) const;
 };
 
 /// Touching dots, repeated identities, codes that can't be told apart, addresses that are none, rates that don't exist.
 void check_config(const Config& config, ConfigProblems& problems);
 
-/// Reads and checks the text of a configuration file.
-/// \param name  how errors call the file \param problems  empty; afterwards its `lines` are filled
-/// Throws StartupError(kWrongUsage) with "NAME:LINE: what is wrong and what to write instead".
+/// Reads and checks the text of a configuration file. All that is wrong is in `problems.list` afterwards, by rising
+/// line; what was wrong has its default in the result. \param name  how errors call the file \param problems  empty
+Config read_config_text(std::string_view text, const std::string& name, ConfigProblems& problems);
+
+/// "NAME:LINE: what is wrong and what to write instead", in one line whatever the file holds.
+std::string problem_text(const std::string& name, const ConfigProblem& problem);
+
+/// The same, for those who can go on without a mistake only: throws StartupError(kWrongUsage) with the first one.
 Config parse_config(std::string_view text, const std::string& name, ConfigProblems& problems);
 
 }  // namespace ninedot

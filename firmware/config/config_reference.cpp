@@ -79,7 +79,7 @@ const std::array kKeysUpToTheHead{
               "so many frame periods without a frame: the camera is lost, and is opened again",
               SLOT(camera.stall_frames)},
     ConfigKey{"camera", "wait_for_device", "", 0, 0, "",
-              "`ninedotd` starts without the camera and goes on looking for it, instead of ending with status 2",
+              "of older files, without effect: `ninedotd` starts without its camera and goes on looking for it",
               SLOT(camera.wait_for_device)},
     ConfigKey{
         "camera", "calibration", "", 0, 0, "",

@@ -9,10 +9,11 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <numbers>
+#include <optional>
 
 #include "base/startup_error.h"
-#include "geometry/landmark.h"
+#include "geometry/landmark_faults.h"
+#include "world/landmark_codes.h"
 
 namespace ninedot {
 namespace {
@@ -30,8 +31,6 @@ constexpr double kLeastWhite_radii = 0.9;  // beside the ring dots, in dot radii
 // Dark enough that each has at most 30 % of the paper's luma (BT.601), so the detector sees a dot, and pure in hue.
 constexpr PageColour kRed{0.8, 0, 0}, kGreen{0, 0.5, 0}, kBlue{0, 0, 0.8};
 
-constexpr std::array<std::string_view, 6> kKnownCodes{"", "KRGBKKRB", "RRGKBGKB", "KKGRRBGB", "RKBGGKRB", "BKKRGRGB"};
-
 [[noreturn]] void refuse(const std::string& line) { throw StartupError(ExitStatus::kWrongUsage, line); }
 
 PageColour colour_of(char letter) {
@@ -47,18 +46,14 @@ PageColour colour_of(char letter) {
   }
 }
 
-bool is_black_and_white(std::string_view code) { return code.find_first_not_of('K') == std::string_view::npos; }
-
 void check_code(const std::string& code) {
   if (code.empty()) return;
-  if (code.size() != kRingDotCount || code.find_first_not_of("KRGB") != std::string::npos)
+  if (!is_landmark_code(code))
     refuse(fmt::format("--code {}: give eight letters of K R G B, for P1 to P8, for example KRGBKKRB", code));
-  if (is_black_and_white(code)) return;
-  for (std::size_t turn = 1; turn < kRingDotCount; ++turn)
-    if (code.substr(turn) + code.substr(0, turn) == code)
-      refuse(fmt::format(
-          "--code {}: it looks the same after a turn by {} dots, so nobody can tell which way is up: change a letter",
-          code, turn));
+  if (const std::optional<std::size_t> turn = find_own_turn(code))
+    refuse(fmt::format(
+        "--code {}: it looks the same after a turn by {} dots, so nobody can tell which way is up: change a letter",
+        code, *turn));
 }
 
 void check_lengths(const PatternOptions& o) {
@@ -69,9 +64,13 @@ void check_lengths(const PatternOptions& o) {
   check("--ring-radius-mm", o.ring_radius_mm);
   check("--dot-diameter-mm", o.dot_diameter_mm);
   check("--centre-diameter-mm", o.centre_diameter_mm);
-  const double between_neighbours_mm = 2 * o.ring_radius_mm * std::sin(std::numbers::pi / kRingDotCount);
-  const bool neighbours_touch = o.dot_diameter_mm >= between_neighbours_mm;
-  if (neighbours_touch || (o.dot_diameter_mm + o.centre_diameter_mm) / 2 >= o.ring_radius_mm)
+  const LandmarkFaults faults =
+      find_landmark_faults({o.ring_radius_mm, o.dot_diameter_mm / 2, o.centre_diameter_mm / 2});  // in mm here
+  if (faults.centre_not_largest)
+    refuse(fmt::format(
+        "--centre-diameter-mm {}: it must be larger than --dot-diameter-mm {}: that is how it is recognised",
+        o.centre_diameter_mm, o.dot_diameter_mm));
+  if (faults.ring_dots_touch || faults.centre_touches_ring)
     refuse(
         fmt::format("dots touch: with --ring-radius-mm {0:g} use for example --dot-diameter-mm {1:.1f} "
                     "--centre-diameter-mm {2:.1f}",
@@ -170,18 +169,6 @@ void add_scale_bar(PatternPage& page, const PagePoint& left) {
 }
 
 }  // namespace
-
-std::optional<std::string> known_code(int landmark_id) {
-  if (landmark_id < 0 || static_cast<std::size_t>(landmark_id) >= kKnownCodes.size()) return std::nullopt;
-  return std::string(kKnownCodes[static_cast<std::size_t>(landmark_id)]);
-}
-
-std::optional<int> known_id(std::string_view code) {
-  if (is_black_and_white(code)) return 0;
-  for (std::size_t id = 1; id < kKnownCodes.size(); ++id)
-    if (kKnownCodes[id] == code) return static_cast<int>(id);
-  return std::nullopt;
-}
 
 PatternPage make_pattern_page(const PatternOptions& options) {
   check_code(options.code);

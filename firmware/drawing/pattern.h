@@ -1,8 +1,6 @@
 #pragma once
 /// The printed landmark: a page laid out in millimetres, and its exact form as SVG and PDF.
-#include <optional>
 #include <string>
-#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -53,12 +51,6 @@ struct PatternPage {
   std::string title;
   std::vector<PageItem> items;  ///< drawn in this order
 };
-
-/// Code of the landmarks 1..5 (P1..P8); empty for 0, which is black and white. Nothing for other numbers.
-std::optional<std::string> known_code(int landmark_id);
-
-/// Number of the landmark with this code: 0 for black and white (no letters, or K alone), 1..5, or nothing.
-std::optional<int> known_id(std::string_view code);
 
 /// Lays the landmark out: nine dots, cut lines around the white sheet, and outside of it an arrow up, a scale bar of
 /// 100 mm and what the landmark is. Throws StartupError(kWrongUsage): a wrong letter, length or sheet; dots that touch;

@@ -1,5 +1,6 @@
 #pragma once
 /// Single digital lines. Implemented in drivers/gpio.
+#include "base/result.h"
 
 namespace ninedot {
 
@@ -10,8 +11,8 @@ class DigitalOutput {
   /// Gives the line back to the kernel. Threads: the owner's, after the last `set`.
   virtual ~DigitalOutput() = default;
   /// One call to the kernel, which does not wait on the lines of a processor; on those of an I2C or SPI expander it
-  /// waits for the bus. \return  0 or an errno
-  virtual int set(bool active) noexcept = 0;
+  /// waits for the bus. \error  kIo with errno: the line could not be driven
+  virtual Result<void> set(bool active) noexcept = 0;
 };
 
 /// Memory: none after construction.

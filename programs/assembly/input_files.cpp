@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "base/startup_error.h"
 #include "calibrate/camera_file.h"
 #include "drivers/posix/text_file.h"
 
@@ -21,11 +22,13 @@ void make_absolute(std::string& path, const std::string& config_path) {
 
 Config read_config(const std::string& path) {
   ConfigProblems problems;
-  return read_config(path, problems);
+  Config config = read_config(path, problems);
+  if (!problems.list.empty()) throw StartupError(ExitStatus::kWrongUsage, problem_text(path, problems.list.front()));
+  return config;
 }
 
 Config read_config(const std::string& path, ConfigProblems& problems) {
-  Config config = parse_config(read_text_file(path, kMaxFile_bytes), path, problems);
+  Config config = read_config_text(read_text_file(path, kMaxFile_bytes), path, problems);
   if (config.camera.source == "recording") make_absolute(config.camera.device, path);
   make_absolute(config.camera.calibration, path);
   return config;

@@ -12,7 +12,8 @@ namespace ninedot {
 /// A relative `calibration`, and a recording's relative `device`, come back as seen from the folder of the file.
 Config read_config(const std::string& path);
 
-/// The same, which also tells where the keys stand. \param problems  empty; afterwards its `lines` are filled
+/// The same, which tells all that is wrong, and where the keys stand. \param problems  as read_config_text
+/// Throws StartupError(kWrongUsage): the file can't be read.
 Config read_config(const std::string& path, ConfigProblems& problems);
 
 /// Reads and checks a calibration. Throws StartupError(kWrongUsage), "FILE:LINE: what is wrong".

@@ -12,6 +12,8 @@
 #include "config/head_options.h"
 #include "drivers/gpio/gpio_lines.h"
 #include "drivers/servo/gpio_pan_tilt.h"
+#include "drivers/servo/late_pan_tilt.h"
+#include "drivers/servo/powered_head.h"
 #include "drivers/servo/simulated_pan_tilt.h"
 #include "drivers/servo/sysfs_pwm.h"
 #include "drivers/servo/visca_pan_tilt.h"
@@ -70,27 +72,61 @@ GpioBias bias_of(const std::string& name) {
   return name == "pull-up" ? GpioBias::kPullUp : name == "pull-down" ? GpioBias::kPullDown : GpioBias::kUnchanged;
 }
 
+std::unique_ptr<PanTilt> open_late(const Config& config, const DigitalInput* inhibit,
+                                   std::vector<WatchedDevice>& devices) {
+  const auto description = std::make_shared<DeviceNote>();
+  const auto servos = [head = config.pan_tilt, description] {
+    std::string text =
+        fmt::format("{}, {}", head.driver, head.follow ? "follows the landmark" : "stays until a command comes");
+    std::unique_ptr<PanTilt> opened = open_servos(head, text);
+    description->set(text);
+    return opened;
+  };
+  PoweredHeadOpener::OpenPower power;
+  if (const GpioConfig& gpio = config.gpio; !gpio.servo_power.empty())
+    power = [line = GpioLineOptions{gpio.servo_power, gpio.servo_power_active_low}] { return open_gpio_output(line); };
+  const auto opener = std::make_shared<PoweredHeadOpener>(servos, power);
+  LatePanTiltOptions options;
+  options.neutral = aim_options(config.pan_tilt).neutral;
+  options.reopens_failed = config.pan_tilt.driver != "visca";
+  if (inhibit != nullptr) options.may_move = [inhibit] { return !inhibit->is_active(); };
+  auto head = std::make_unique<LatePanTilt>([opener] { return opener->open(); }, options);
+  devices.push_back(
+      {"pan/tilt", [late = head.get()] { return late->problem(); }, [description] { return description->read(); }});
+  return head;
+}
+
+std::unique_ptr<DigitalOutput> open_late_output(const char* name, const GpioLineOptions& options,
+                                                std::vector<WatchedDevice>& devices) {
+  // Refuses here what no waiting mends; the rest shows when it is set.
+  try {
+    find_gpio_line(options, list_gpio_chips());
+  } catch (const DeviceAbsent&) {
+  }
+  auto output = std::make_unique<LateGpioOutput>([options] { return open_gpio_output(options); });
+  devices.push_back({name, [late = output.get()] { return late->problem(); }, nullptr});
+  return output;
+}
+
 }  // namespace
 
 OpenedHead open_head(const Config& config, const CameraModel& camera) {
   OpenedHead head;
   const GpioConfig& gpio = config.gpio;
-  if (!gpio.status_led.empty()) head.status_led = open_gpio_output({gpio.status_led, gpio.status_led_active_low});
-  if (!gpio.inhibit.empty())
-    head.inhibit = open_gpio_input({gpio.inhibit, gpio.inhibit_active_low, bias_of(gpio.inhibit_bias)});
+  if (!gpio.status_led.empty())
+    head.status_led = open_late_output("status LED", {gpio.status_led, gpio.status_led_active_low}, head.devices);
+  if (!gpio.inhibit.empty()) {
+    const GpioLineOptions line{gpio.inhibit, gpio.inhibit_active_low, bias_of(gpio.inhibit_bias)};
+    auto inhibit = std::make_unique<InhibitInput>([line] { return open_gpio_handle(line); });
+    head.devices.push_back({"inhibit input", [late = inhibit.get()] { return late->problem(); }, nullptr});
+    head.inhibit = std::move(inhibit);
+  }
   if (config.pan_tilt.driver != "none") {
-    head.description = fmt::format("{}, {}", config.pan_tilt.driver,
-                                   config.pan_tilt.follow ? "follows the landmark" : "stays until a command comes");
-    head.servos = open_servos(config.pan_tilt, head.description);
+    head.servos = open_late(config, head.inhibit.get(), head.devices);
     head.control = std::make_unique<HeadControl>(camera, aim_options(config.pan_tilt), *head.servos, head.inhibit.get(),
                                                  first_order(config.pan_tilt));
-  }
-  // Last: the servos' signals stand before they get power, so nothing jumps.
-  if (!gpio.servo_power.empty()) {
-    head.servo_power = open_gpio_output({gpio.servo_power, gpio.servo_power_active_low});
-    if (const int error = head.servo_power->set(true); error != 0)
-      throw StartupError(ExitStatus::kWrongUsage,
-                         fmt::format("GPIO line '{}': {}", gpio.servo_power, std::strerror(error)));
+  } else if (!gpio.servo_power.empty()) {
+    head.lone_power = open_late_output("servo power", {gpio.servo_power, gpio.servo_power_active_low}, head.devices);
   }
   return head;
 }

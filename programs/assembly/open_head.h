@@ -1,29 +1,37 @@
 #pragma once
-/// From [pan_tilt] and [gpio] of the configuration to a head that stands at its neutral position, under power.
+/// From [pan_tilt] and [gpio] of the configuration to a head that stands at its neutral position, under power, as soon
+/// as its devices are there.
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "config/config.h"
 #include "pipeline/head_control.h"
+#include "programs/assembly/watched_device.h"
 
 namespace ninedot {
 
-/// In the order in which the parts are had. They are given up the other way round: power goes first.
+/// In the order in which the parts are had. They are given up the other way round. Each may come late: the lamp and the
+/// servos' power are opened by whoever sets them, input and head by threads of their own.
 struct OpenedHead {
-  std::unique_ptr<DigitalOutput> status_led;   ///< null: none is configured
-  std::unique_ptr<DigitalInput> inhibit;       ///< null: none is configured
-  std::unique_ptr<PanTilt> servos;             ///< null: driver "none"
-  std::unique_ptr<HeadControl> control;        ///< null: driver "none"
-  std::unique_ptr<DigitalOutput> servo_power;  ///< null: none is configured
-  std::string description;                     ///< for the log; empty: driver "none"
+  std::unique_ptr<DigitalOutput> status_led;  ///< null: none is configured
+  std::unique_ptr<DigitalInput> inhibit;      ///< null: none is configured
+  std::unique_ptr<PanTilt> servos;       ///< null: driver "none". With their power, which goes on last and off first
+  std::unique_ptr<HeadControl> control;  ///< null: driver "none"
+  /// Power with driver "none", to be set again and again; else null.
+  std::unique_ptr<DigitalOutput> lone_power;
+  std::vector<WatchedDevice> devices;  ///< those above that are configured
 };
 
-/// Throws StartupError: kWrongUsage when a device or line is missing, in use, or may not be used.
+/// Opens what is there; what is not, in use, or not permitted is waited for. While the inhibit input is active or not
+/// there the head is not opened, because opening brings it to its neutral position.
+/// Throws StartupError(kWrongUsage) for what no waiting mends: a channel or offset that its chip does not have, a
+/// device that is no serial port.
 OpenedHead open_head(const Config& config, const CameraModel& camera);
 
-/// What open_head would refuse, part by part; moves and drives nothing.
-/// \param attempt  called with a key and a step, which throws StartupError when that key's device can't be used
+/// What open_head would refuse or wait for, part by part; moves and drives nothing.
+/// \param attempt  called with a key and a step, which throws as the devices' drivers do: DeviceAbsent, StartupError
 void check_head(const Config& config,
                 const std::function<void(const char* key, const std::function<void()>& step)>& attempt);
 

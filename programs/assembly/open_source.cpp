@@ -68,7 +68,7 @@ CameraRequest camera_request(const CameraConfig& config) {
 OpenedSource open_camera(std::unique_ptr<CameraDevice> device, const CameraConfig& config, FrameDemand demand) {
   ReopenOptions options;
   options.stall_periods = config.stall_frames;
-  options.wait_for_device = config.wait_for_device && demand == FrameDemand::kNewest;
+  options.wait_for_device = demand == FrameDemand::kNewest;
   auto source = std::make_unique<ReopeningSource>(std::move(device), options);
   std::string description = source->description();
   return {std::move(source), nullptr, std::move(description), 0};

@@ -10,7 +10,7 @@
 namespace ninedot {
 
 enum class FrameDemand {
-  kNewest,      ///< in real time, the newest frame wins: for the service
+  kNewest,      ///< in real time, the newest frame wins, and a camera that is not there is waited for: for the service
   kEveryFrame,  ///< nothing may be lost where the source permits it: a recording plays as fast as it is read, once
 };
 
@@ -33,9 +33,8 @@ void check_source(const CameraConfig& config);
 CameraModel read_camera_calibration(const CameraConfig& config);
 
 /// Throws StartupError: kWrongUsage when this build has no such source or `device` is missing, kWorkFailed when it
-/// can't be opened. A camera that can't be opened is kWrongUsage, unless `demand` is kNewest and the configuration says
-/// wait_for_device: then frames come once it is there. Frames of another size than width_px x height_px fail with
-/// kFrameSize.
+/// can't be opened. A camera that can't be opened is CameraRefused, unless `demand` is kNewest: then frames come once
+/// it is there. Frames of another size than width_px x height_px fail with kFrameSize.
 OpenedSource open_source(const CameraConfig& config, FrameDemand demand);
 
 }  // namespace ninedot

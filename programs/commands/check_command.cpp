@@ -1,105 +1,122 @@
-// `ninedot check`: everything that the service would refuse at its start, without starting it. It asks the same
-// functions as the service; ports and serial lines are only looked at, because a running service may be using them.
-#include <fcntl.h>
+// `ninedot check`: everything that the service would refuse at its start, without starting it, and what it would wait
+// for. It asks the same functions as the service; ports and serial lines are only looked at, because a running service
+// may be using them.
 #include <fmt/format.h>
-#include <netdb.h>
-#include <sys/socket.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "base/one_line.h"
 #include "base/startup_error.h"
 #include "config/config_checks.h"
+#include "drivers/camera/camera_device.h"
+#include "drivers/modbus/rtu_server.h"
+#include "drivers/modbus/tcp_server.h"
+#include "drivers/posix/late_device.h"
 #include "programs/assembly/input_files.h"
 #include "programs/assembly/localiser_options.h"
+#include "programs/assembly/modbus_options.h"
 #include "programs/assembly/open_head.h"
 #include "programs/assembly/open_source.h"
 #include "programs/commands/commands.h"
+#include "programs/commands/service_client.h"
 
 namespace ninedot {
 namespace {
 
-/// Binds the address for an instant. \return  errno, 0 = free
-int try_to_bind(const std::string& address, std::uint16_t port) {
-  addrinfo hints{};
-  hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV | AI_PASSIVE;
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  if (::getaddrinfo(address.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) return EADDRNOTAVAIL;
-  const int descriptor = ::socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  const int on = 1;
-  ::setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
-  int error = descriptor < 0 || ::bind(descriptor, found->ai_addr, found->ai_addrlen) != 0 ? errno : 0;
-  // Two sockets may be bound alike with SO_REUSEADDR; only one may listen.
-  if (error == 0 && ::listen(descriptor, 1) != 0) error = errno;
-  if (descriptor >= 0) ::close(descriptor);
-  ::freeaddrinfo(found);
-  return error;
-}
-
-/// \return  what is wrong with a serial device, empty = nothing
-std::string serial_problem(const std::string& device) {
-  struct stat status {};
-  if (::stat(device.c_str(), &status) != 0) return std::strerror(errno);
-  if (!S_ISCHR(status.st_mode)) return "is no serial device";
-  return ::access(device.c_str(), R_OK | W_OK) == 0 ? "" : std::strerror(errno);
-}
-
-/// Refusals of one key become "FILE:LINE: what".
-class Refusals {
+/// What is found about one file: problems, which the service refuses, and notes about what it waits for.
+class Findings {
  public:
-  Refusals(const std::string& path, const ConfigProblems& problems) : path_(path), problems_(problems) {}
-
-  [[noreturn]] void refuse(const char* key, const std::string& what) const {
-    throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}:{}: {}", path_, problems_.line_of(key), what));
+  Findings(const std::string& path, const ConfigProblems& problems) : path_(path), file_(problems) {
+    for (const ConfigProblem& problem : file_.list) problems_.push_back(problem);
   }
-  /// Does what the service does at its start, for the key that it is about.
-  void attempt(const char* key, const std::function<void()>& step) const {
+
+  void refuse(const char* key, const std::string& what) { problems_.push_back({file_.line_of(key), what}); }
+  void note(const char* key, const std::string& what) { notes_.push_back({file_.line_of(key), what}); }
+
+  /// Does what the service does at its start, for the key that it is about. Not for a table with mistakes in the file:
+  /// there the key may not have been read at all.
+  void attempt(const char* key, const std::function<void()>& step) {
+    if (file_.is_in(std::string_view(key).substr(0, std::string_view(key).find('.')))) return;
     try {
       step();
+    } catch (const DeviceAbsent& absent) {
+      note_absent(key, absent.what());
+    } catch (const CameraRefused& camera) {
+      if (is_absent(camera.os_errno))
+        note_absent(key, camera.what());
+      else
+        refuse(key, camera.what());
     } catch (const StartupError& error) {
       refuse(key, error.what());
     }
   }
 
+  /// A ninedotd runs on this file's port: then it is the one that has the devices.
+  void note_running_service() { is_service_running_ = true; }
+
+  /// Throws StartupError(kWrongUsage), a line for each problem; else prints the notes after `summary`.
+  void conclude(const std::function<void()>& summary) {
+    std::ranges::stable_sort(problems_, {}, &ConfigProblem::line);
+    std::string lines;
+    for (const ConfigProblem& problem : problems_) lines += (lines.empty() ? "" : "\n") + problem_text(path_, problem);
+    if (problems_.empty()) summary();
+    std::ranges::stable_sort(notes_, {}, &ConfigProblem::line);
+    for (const ConfigProblem& note : notes_) fmt::print("{}\n", problem_text(path_, {note.line, "note: " + note.what}));
+    if (!problems_.empty()) throw StartupError(ExitStatus::kWrongUsage, lines);
+  }
+
  private:
+  /// Of a camera: not there, busy, not permitted, or without a signal. Anything else is a setting that it does not
+  /// have.
+  static bool is_absent(int error) {
+    for (const int mended : {ENOENT, ENODEV, ENXIO, EBUSY, EACCES, EPERM, ENOLINK})
+      if (error == mended) return true;
+    return false;
+  }
+  void note_absent(const char* key, const std::string& what) {
+    note(key,
+         is_service_running_ ? "a ninedotd is running, which may be what has it: " + what : "waits for it: " + what);
+  }
+
   const std::string& path_;
-  const ConfigProblems& problems_;
+  const ConfigProblems& file_;
+  std::vector<ConfigProblem> problems_, notes_;
+  bool is_service_running_ = false;
 };
 
-void check_modbus(const Config& config, const Refusals& refusals) {
-  if (config.modbus_tcp.enabled)
-    if (const int error = try_to_bind(config.modbus_tcp.listen, config.modbus_tcp.port); error != 0)
-      refusals.refuse(
-          error == EADDRNOTAVAIL ? "modbus.tcp.listen" : "modbus.tcp.port",
-          fmt::format("{} port {}: {}{}", config.modbus_tcp.listen, config.modbus_tcp.port, std::strerror(error),
-                      error == EADDRINUSE ? ": stop the program that uses it, or choose another port" : ""));
-  if (config.modbus_rtu.enabled)
-    if (const std::string problem = serial_problem(config.modbus_rtu.device); !problem.empty())
-      refusals.refuse("modbus.rtu.device", fmt::format("{}: {}", config.modbus_rtu.device, problem));
+/// Where a client on this machine reaches a server that listens on `listen`.
+std::string local_address_of(const std::string& listen) {
+  return listen == "0.0.0.0" ? "127.0.0.1" : listen == "::" ? "::1" : listen;
 }
 
-void run_check(const std::string& path) {
-  ConfigProblems problems;
-  const Config config = read_config(path, problems);
-  const Refusals refusals(path, problems);
-  CameraModel camera;
-  refusals.attempt("camera.source", [&] { check_source(config.camera); });
-  refusals.attempt("camera.device", [&] { open_source(config.camera, FrameDemand::kEveryFrame); });
-  refusals.attempt("camera.calibration", [&] { camera = read_camera_calibration(config.camera); });
-  refusals.attempt("landmarks", [&] { static_cast<void>(localiser_options(config)); });
-  check_head(config, [&](const char* key, const std::function<void()>& step) { refusals.attempt(key, step); });
-  check_modbus(config, refusals);
+/// The first, because a running service explains what else is in use.
+void check_modbus_tcp(const ModbusTcpConfig& tcp, Findings& findings) {
+  const Result<void> free = try_listen(tcp.listen, tcp.port);
+  if (free) return;
+  const int error = free.error().os_errno;
+  if (error == EADDRINUSE && is_ninedotd_at(local_address_of(tcp.listen), tcp.port)) {
+    findings.note_running_service();
+    findings.note("modbus.tcp.port", fmt::format("{} port {} is in use by a running ninedotd", tcp.listen, tcp.port));
+    return;
+  }
+  findings.refuse(error == EADDRNOTAVAIL ? "modbus.tcp.listen" : "modbus.tcp.port",
+                  fmt::format("{} port {}: {}{}", tcp.listen, tcp.port, std::strerror(error),
+                              error == EADDRINUSE ? ": stop the program that uses it, or choose another port" : ""));
+}
 
-  fmt::print("{}: ok\n", path);
-  fmt::print("  camera    {} {}, {}x{} px, {} Hz, f = {:.1f} px\n", config.camera.source, config.camera.device,
-             camera.width_px, camera.height_px, config.camera.rate_hz, camera.fx_px);
+/// \param camera  nothing where no calibration was read
+void print_summary(const Config& config, const std::optional<CameraModel>& camera) {
+  fmt::print("  camera    {} {}, {}x{} px, {} Hz{}\n", config.camera.source, config.camera.device,
+             config.camera.width_px, config.camera.height_px, config.camera.rate_hz,
+             camera ? fmt::format(", f = {:.1f} px", camera->fx_px) : "");
   fmt::print("  landmark  ring radius {} mm, dots {} mm, centre dot {} mm\n", config.landmark.ring_radius_mm,
              config.landmark.dot_diameter_mm, config.landmark.centre_diameter_mm);
   fmt::print("  pose      solver {}\n", config.pose.solver);
@@ -116,13 +133,53 @@ void run_check(const std::string& path) {
     fmt::print("  modbus    none: add [modbus.tcp] or [modbus.rtu] to be read\n");
 }
 
+void check_devices(const Config& config, const ConfigProblems& problems, std::optional<CameraModel>& camera,
+                   Findings& findings) {
+  if (config.modbus_tcp.enabled && !problems.is_in("modbus")) check_modbus_tcp(config.modbus_tcp, findings);
+  if (config.modbus_rtu.enabled)
+    findings.attempt("modbus.rtu.device", [&] { check_rtu_line(modbus_options(config).rtu.value()); });
+  bool has_recording = config.camera.source != "recording";
+  findings.attempt("camera.device", [&] {
+    open_source(config.camera, FrameDemand::kEveryFrame);
+    has_recording = true;
+  });
+  // A recording that is not there has no calibration either; that is no second mistake.
+  if (has_recording || !config.camera.calibration.empty())
+    findings.attempt("camera.calibration", [&] { camera = read_camera_calibration(config.camera); });
+  check_head(config, [&](const char* key, const std::function<void()>& step) { findings.attempt(key, step); });
+}
+
+void run_check(const std::string& path, bool file_only) {
+  ConfigProblems problems;
+  const Config config = read_config(path, problems);
+  Findings findings(path, problems);
+  std::optional<CameraModel> camera;
+  bool is_source_known = false;
+  findings.attempt("camera.source", [&] {
+    check_source(config.camera);
+    is_source_known = true;
+  });
+  findings.attempt("landmarks", [&] { static_cast<void>(localiser_options(config)); });
+  if (!config.camera.wait_for_device)
+    findings.note("camera.wait_for_device", "without effect: the service always waits for its camera; remove it");
+  if (!file_only && is_source_known) check_devices(config, problems, camera, findings);
+  findings.conclude([&] {
+    fmt::print("{}: ok\n", path);
+    print_summary(config, camera);
+  });
+}
+
 }  // namespace
 
 void add_check_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("check", "Say what the service would refuse about a configuration");
+  CLI::App* command = app.add_subcommand(
+      "check", "Say what the service would refuse about a configuration, and what it would wait for");
   const auto path = std::make_shared<std::string>();
   command->add_option("--config", *path, "configuration file")->required();
-  command->callback([path] { run_check(*path); });
+  const auto file_only = std::make_shared<bool>(false);
+  command->add_flag("--file-only", *file_only,
+                    "look at the configuration file alone: at no device, port or other file");
+  command->callback([path, file_only] { run_check(*path, *file_only); });
 }
 
 }  // namespace ninedot

@@ -8,6 +8,7 @@
 #include "base/startup_error.h"
 #include "programs/commands/commands.h"
 #include "programs/commands/pattern_output.h"
+#include "world/landmark_codes.h"
 
 namespace ninedot {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <chrono>
 #include <cstring>
 
@@ -25,6 +26,12 @@ ModbusTcpClient connect(const std::string& host, std::uint16_t port) {
 }
 
 }  // namespace
+
+bool is_ninedotd_at(const std::string& host, std::uint16_t port) {
+  Result<ModbusTcpClient> client = ModbusTcpClient::connect(host, port, 2s);
+  std::array<std::uint16_t, 1> magic{};
+  return client && client->read_registers(reg::kMagic, magic) && magic[0] == kRegisterMapMagic;
+}
 
 ServiceClient::ServiceClient(const std::string& host, std::uint16_t port)
     : place_(fmt::format("{} port {}", host, port)), client_(connect(host, port)) {}

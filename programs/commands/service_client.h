@@ -9,6 +9,9 @@
 
 namespace ninedot {
 
+/// Whether a ninedotd, of whatever version, answers there by Modbus: register 0 says so.
+bool is_ninedotd_at(const std::string& host, std::uint16_t port);
+
 /// Threads: one.
 class ServiceClient {
  public:

@@ -42,4 +42,33 @@ void ServiceLog::note(const Report& report, const Error& last_error, MonoTime no
   write(line);
 }
 
+void ServiceLog::note_device(const std::string& name, const std::string& problem, const std::string& description,
+                             MonoTime now) {
+  Device& device = devices_[name];
+  const bool is_in_use = problem.empty();
+  if (is_in_use != device.is_in_use || !device.is_known) device.since = now;
+  device.is_in_use = is_in_use;
+  if (device.is_known && (device.was_in_use == is_in_use || now - device.since < kSettle)) return;
+  const bool is_first = !device.is_known;
+  device.is_known = true;
+  device.was_in_use = is_in_use;
+  if (!is_in_use)
+    write(fmt::format("{}: {}, waits for it: {}", name, is_first ? "not there" : "gone", problem));
+  else if (!description.empty())
+    write(fmt::format("{}: {}", name, description));
+  else if (!is_first)
+    write(fmt::format("{}: there", name));
+}
+
+void ServiceLog::note_series(const std::string& what, std::uint64_t count, const std::string& last, MonoTime now) {
+  Series& series = series_[what];
+  if (count == series.said || (series.said != 0 && now - series.said_at < kSeriesPeriod)) return;
+  const std::string details =
+      last.empty() ? "" : fmt::format(": {}{}", count - series.said == 1 ? "" : "the last one ", last);
+  write(series.said == 0 ? fmt::format("{} {}{}", count, what, details)
+                         : fmt::format("{} more {} since{}", count - series.said, what, details));
+  series.said = count;
+  series.said_at = now;
+}
+
 }  // namespace ninedot

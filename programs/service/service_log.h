@@ -1,6 +1,7 @@
 #pragma once
 /// The few lines that the service writes while it runs: what changed, not what is.
 #include <cstdint>
+#include <map>
 #include <string>
 
 #include "base/result.h"
@@ -23,12 +24,35 @@ class ServiceLog {
   /// kSettle (and the very first one at once), so that a landmark at the edge of sight does not fill the disk.
   void note(const Report& report, const Error& last_error, MonoTime now);
 
+  /// Says when a device goes and when it is back, likewise; of the first time only what is to be said.
+  /// \param problem  why it is not in use; empty: it is \param description  about one in use; may be empty
+  void note_device(const std::string& name, const std::string& problem, const std::string& description, MonoTime now);
+
+  /// Says that something happened: the first time at once, then at most once a minute how often it did, so that a flood
+  /// does not fill the disk.
+  /// \param count  how often since the start; grows \param what  "frames that can't be read" \param last  about the
+  /// newest one; may be empty
+  void note_series(const std::string& what, std::uint64_t count, const std::string& last, MonoTime now);
+
  private:
   static constexpr std::chrono::milliseconds kSettle{500};
+  static constexpr std::chrono::minutes kSeriesPeriod{1};
   LiveDisplay* display_;
   Reason said_ = Reason::kStarting;
   Reason seen_ = Reason::kStarting;
   MonoTime seen_since_{};
+
+  struct Device {
+    bool is_known = false, was_in_use = false;  // what was said
+    bool is_in_use = false;
+    MonoTime since{};
+  };
+  struct Series {
+    std::uint64_t said = 0;
+    MonoTime said_at{};
+  };
+  std::map<std::string, Device> devices_;
+  std::map<std::string, Series> series_;
 };
 
 }  // namespace ninedot

@@ -45,6 +45,18 @@ void carry_out_commands(ModbusServer& modbus, HeadControl& head) {
   }
 }
 
+void note_devices(const RunningService& service, ServiceLog& log, MonoTime now) {
+  for (const WatchedDevice& device : service.devices)
+    log.note_device(device.name, device.problem(), device.description ? device.description() : "", now);
+}
+
+void note_modbus(const ModbusServer& modbus, ServiceLog& log, MonoTime now) {
+  const ModbusCounters counters = modbus.counters();
+  log.note_device("Modbus RTU", modbus.serial_problem(), "", now);
+  log.note_series("unreadable Modbus frames", counters.unreadable_frames, "", now);
+  log.note_series("Modbus clients refused", counters.refused_connections, modbus.last_refusal(), now);
+}
+
 }  // namespace
 
 void watch_until_signalled(const TerminationSignals& signals, const RunningService& service, ServiceLog& log,
@@ -56,9 +68,12 @@ void watch_until_signalled(const TerminationSignals& signals, const RunningServi
     const Report report = service.reports.read();
     log.note(report, service.frames.last_error(), now);
     if (service.head != nullptr) carry_out_commands(service.modbus, *service.head);
-    // A LED that can't be driven is no reason to stop, and nobody could do anything about it now.
+    // A line that can't be driven is no reason to stop: the log tells it, and it is opened again.
     if (service.status_led != nullptr)
       static_cast<void>(service.status_led->set(is_led_lit(led_pattern_of(report), now)));
+    if (service.lone_power != nullptr) static_cast<void>(service.lone_power->set(true));
+    note_devices(service, log, now);
+    note_modbus(service.modbus, log, now);
     // Without its camera the service is up as well: it answers, says so, and recovers by itself.
     if (service.frames.frames_processed() > 0 || report.reason == Reason::kCameraLost) manager.ready();
     // A source that is over ends on purpose: from then on time itself counts as progress.
@@ -79,10 +94,11 @@ std::string realtime_text(int priority, int refused_errno) {
                      priority, std::strerror(refused_errno));
 }
 
-std::string memory_text(bool wanted, int refused_errno) {
+std::string memory_text(bool wanted, const Result<void>& locked) {
   if (!wanted) return "not locked, as configured";
-  if (refused_errno == 0) return "locked";
-  return fmt::format("not locked ({}): allow it with LimitMEMLOCK= or `ulimit -l`", std::strerror(refused_errno));
+  if (locked) return "locked";
+  return fmt::format("not locked ({}): allow it with LimitMEMLOCK= or `ulimit -l`",
+                     std::strerror(locked.error().os_errno));
 }
 
 }  // namespace ninedot

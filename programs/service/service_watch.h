@@ -1,9 +1,12 @@
 #pragma once
 /// What the main thread does while the service runs: log, service manager, display; until a signal asks to end.
+#include <span>
+
 #include "base/latest_value.h"
 #include "drivers/modbus/server.h"
 #include "drivers/posix/signals.h"
 #include "pipeline/frame_loop.h"
+#include "programs/assembly/watched_device.h"
 #include "programs/service/service_log.h"
 
 namespace ninedot {
@@ -16,6 +19,8 @@ struct RunningService {
   RegisterCodecOptions codec;
   HeadControl* head;          ///< may be null
   DigitalOutput* status_led;  ///< may be null
+  DigitalOutput* lone_power;  ///< to be kept active; may be null
+  std::span<const WatchedDevice> devices;
 };
 
 /// \param display  may be null. \return when SIGINT or SIGTERM came.
@@ -25,6 +30,6 @@ void watch_until_signalled(const TerminationSignals& signals, const RunningServi
 /// "SCHED_FIFO 50", or why not and what to do about it.
 std::string realtime_text(int priority, int refused_errno);
 /// "locked", or why not and what to do about it.
-std::string memory_text(bool wanted, int refused_errno);
+std::string memory_text(bool wanted, const Result<void>& locked);
 
 }  // namespace ninedot

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/baud_rates.h"
 #include "base/startup_error.h"
 #include "config/config_checks.h"
 #include "config/config_reference.h"
@@ -221,8 +222,11 @@ TEST(Config, RefusesAddressesAndRatesThatAreNone) {
             "t.toml:2: 'listen' is 'localhost'; write an IPv4 or IPv6 address");
   EXPECT_EQ(error_of("[modbus.tcp]\nallow = [\"10.0.0.256\"]"),
             "t.toml:2: 'allow' lists '10.0.0.256'; write addresses like 10.0.0.1 or 10.0.0.0/8");
-  EXPECT_EQ(error_of("[modbus.rtu]\nbaud = 9601"),
-            "t.toml:2: 'baud' is 9601; write a standard rate like 9600, 19200 or 115200");
+  EXPECT_EQ(
+      error_of("[modbus.rtu]\nbaud = 9601"),
+      "t.toml:2: 'baud' is 9601; write one of 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, "
+      "500000, 576000, 921600");
+  for (const int baud : kBaudRates) EXPECT_EQ(error_of(fmt::format("[modbus.rtu]\nbaud = {}", baud)), "no error");
   EXPECT_EQ(error_of("[modbus.rtu]\ndevice = \"\""), "t.toml:2: 'device' is empty");
 }
 

@@ -24,7 +24,7 @@ TEST(HeadOptions, TurnAnglesIntoPulsesByCentreSlopeAndDirection) {
 TEST(HeadOptions, PreferAMeasuredCalibration) {
   PanTiltConfig config;
   config.driver = "gpio";
-  config.tilt.calibration = {{-30, 1820}, {0, 1510}, {30, 1190}};
+  config.tilt.calibration = {{-30 * kDeg, 1820}, {0, 1510}, {30 * kDeg, 1190}};
   EXPECT_NEAR(servo_axes(config).tilt.output_at(15 * kDeg).value, 1350, 1e-6);
 }
 

@@ -1,6 +1,8 @@
 // The printed landmark, read back from its files and from a rasterised page (pdftoppm of poppler-utils).
 #include "drawing/pattern.h"
+
 #include "programs/commands/pattern_output.h"
+#include "world/landmark_codes.h"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -347,14 +349,6 @@ TEST(PatternPage, RefusesUnknownPaper) {
     options.sheet = sheet;
     EXPECT_NE(refusal_of(options).find("--sheet"), std::string::npos) << sheet;
   }
-}
-
-TEST(PatternCodes, NumbersAndCodesBelongTogether) {
-  for (int id = 0; id <= 5; ++id) EXPECT_EQ(known_id(known_code(id).value()), id);
-  EXPECT_FALSE(known_code(6).has_value());
-  EXPECT_FALSE(known_code(-1).has_value());
-  EXPECT_EQ(known_id("KKKKKKKK"), 0);
-  EXPECT_FALSE(known_id("KKKKKKKR").has_value());
 }
 
 TEST_F(PatternFiles, WritesTheWholeFileAndLeavesNoTemporaryOne) {

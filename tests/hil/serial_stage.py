@@ -325,12 +325,12 @@ class SerialStage:
     def absent(self, node):
         self.guest.run(f"for _ in $(seq 50); do [ -e {node} ] || break; sleep 0.1; done")
         self.guest.write("/tmp/ninedotd.toml", config(node))
-        status, text = self.guest.run("timeout 20 ninedotd --config /tmp/ninedotd.toml")
-        last = text.splitlines()[-1] if text else ""
+        status, text = self.guest.run("timeout -s INT 5 ninedotd --config /tmp/ninedotd.toml")
+        waits = [line for line in text.splitlines() if "Modbus RTU: not there, waits for it: " in line]
         self.stage.ok(
             "usb-absent",
-            status == 1 and node in last and "connect the adapter" in last,
-            f'at its start without the adapter: status {status}, "{last}"',
+            status not in (1, 2) and len(waits) == 1 and node in waits[0] and "connect the adapter" in waits[0],
+            f'at its start without the adapter: status {status} of timeout, "{waits[0] if waits else text}"',
         )
 
 

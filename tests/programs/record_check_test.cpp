@@ -7,8 +7,10 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "base/startup_error.h"
+#include "drivers/modbus/server.h"
 #include "programs/commands/commands.h"
 #include "tests/recording/temporary_recording.h"
 
@@ -60,6 +62,17 @@ class Commands : public testing::Test {
     return outcome.line.substr(std::min(outcome.line.size(), folder_.path().size() + 1));
   }
 
+  /// One line for each, likewise.
+  std::vector<std::string> refusals(const std::string& text) {
+    const Outcome outcome = check(text);
+    EXPECT_EQ(outcome.status, ExitStatus::kWrongUsage);
+    std::vector<std::string> lines;
+    std::istringstream all(outcome.line);
+    for (std::string line; std::getline(all, line);)
+      lines.push_back(line.substr(std::min(line.size(), folder_.path().size() + 1)));
+    return lines;
+  }
+
   TemporaryRecording folder_{0};
 };
 
@@ -94,13 +107,71 @@ TEST_F(Commands, CheckNamesTheLineOfWhatTheServiceWouldRefuse) {
             "c.toml:3: /nowhere.yaml: no such calibration; set camera.calibration");
   EXPECT_NE(refusal(camera() + "width_px = 320").find("is for 640 x 480 px, but the camera gives 320 x 480"),
             std::string::npos);
-  EXPECT_EQ(refusal(camera() + "[modbus.rtu]\ndevice = \"/dev/nowhere\""),
-            "c.toml:4: /dev/nowhere: No such file or directory");
-  EXPECT_EQ(refusal(camera() + "[modbus.rtu]\ndevice = \"" + kApproach + "\""),
-            "c.toml:4: " + kApproach + ": is no serial device");
+  for (const char* device : {kApproach.c_str(), "/dev/null"})
+    EXPECT_NE(refusal(camera() + fmt::format("[modbus.rtu]\ndevice = \"{}\"", device))
+                  .find(fmt::format("c.toml:4: {}: Inappropriate ioctl for device; this is no serial line", device)),
+              std::string::npos);
   EXPECT_EQ(refusal(camera() + "[modbus.tcp]\nlisten = \"203.0.113.7\""),
             "c.toml:4: 203.0.113.7 port 1502: Cannot assign requested address");
   EXPECT_EQ(refusal(camera() + "[[landmarks]]\nid = 1\ncode = \"KRGBKKRB\"").substr(0, 9), "c.toml:3:");
+}
+
+TEST_F(Commands, CheckSaysAllThatIsWrongInTheOrderOfTheFile) {
+  EXPECT_EQ(refusals("[camera]\ndevice = \"/nowhere\"\ncalibration = \"/nowhere.yaml\"\n[pose]\nrate = 3\nsolver = "
+                     "\"none\"\n[modbus.rtu]\nbaud = 9601\n[modbus.tcp]\nlisten = \"203.0.113.7\"\n"),
+            (std::vector<std::string>{
+                "c.toml:2: /nowhere: no such recording",
+                "c.toml:3: /nowhere.yaml: no such calibration; set camera.calibration",
+                "c.toml:5: unknown key 'rate' in [pose]",
+                "c.toml:6: 'solver' is 'none'; write one of full, ellipse",
+                "c.toml:8: 'baud' is 9601; write one of 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, "
+                "460800, 500000, 576000, 921600",
+            }));
+}
+
+TEST_F(Commands, CheckAsksNothingOfATableWhoseKeysItCouldNotRead) {
+  EXPECT_EQ(refusals("[camera]\ndevise = \"" + kApproach + "\"\n"),
+            (std::vector<std::string>{"c.toml:2: unknown key 'devise' in [camera]; did you mean 'device'?"}));
+}
+
+TEST_F(Commands, CheckTakesAMissingDeviceForOneThatMayCome) {
+  const Outcome outcome =
+      check("[camera]\nsource = \"v4l2\"\ndevice = \"/dev/nowhere\"\ncalibration = \"" + kApproach +
+            "/camera.yaml\"\n[pan_tilt]\ndriver = \"visca\"\ndevice = \"/dev/nowhere-else\"\n[gpio]\ninhibit = "
+            "\"no-chip:1\"\n[modbus.rtu]\ndevice = \"/dev/no-line\"\n");
+  EXPECT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
+  for (const char* note :
+       {"c.toml:3: note: waits for it: /dev/nowhere: no such camera",
+        "c.toml:7: note: waits for it: /dev/nowhere-else: there is no such serial port",
+        "c.toml:9: note: waits for it: ", "c.toml:11: note: waits for it: /dev/no-line: No such file"})
+    EXPECT_NE(outcome.line.find(note), std::string::npos) << note << " in " << outcome.line;
+}
+
+TEST_F(Commands, CheckOfTheFileAloneLooksAtNothingElse) {
+  const std::string text = "[camera]\ndevice = \"/nowhere\"\n[modbus.tcp]\nlisten = \"203.0.113.7\"\n";
+  EXPECT_EQ(run({"check", "--file-only", "--config", config(text)}).status, ExitStatus::kSuccess);
+  EXPECT_EQ(check(text).status, ExitStatus::kWrongUsage);
+  EXPECT_EQ(run({"check", "--file-only", "--config", config(text + "port = 0\n")}).status, ExitStatus::kWrongUsage);
+}
+
+TEST_F(Commands, CheckSaysThatAnOlderFilesWaitForDeviceHasNoEffect) {
+  const Outcome outcome = check(camera() + "wait_for_device = false");
+  EXPECT_EQ(outcome.status, ExitStatus::kSuccess);
+  EXPECT_NE(outcome.line.find("c.toml:3: note: without effect"), std::string::npos) << outcome.line;
+}
+
+TEST_F(Commands, CheckKnowsARunningServiceFromAnotherProgramOnItsPort) {
+  const LatestValue<Report> reports;
+  const LatestValue<Health> health;
+  ModbusOptions options;
+  options.tcp.emplace().port = 0;
+  const ModbusServer service(reports, health, options);
+  const Outcome outcome = check(camera() + fmt::format("[modbus.tcp]\nport = {}", service.tcp_port()));
+  EXPECT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
+  EXPECT_NE(outcome.line.find(
+                fmt::format("c.toml:4: note: 127.0.0.1 port {} is in use by a running ninedotd", service.tcp_port())),
+            std::string::npos)
+      << outcome.line;
 }
 
 TEST_F(Commands, CheckFindsAPortInUse) {

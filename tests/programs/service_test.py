@@ -279,6 +279,110 @@ class Memory(unittest.TestCase):
             self.assertEqual(service.end()[0], 0)
 
 
+class WaitingForDevices(unittest.TestCase):
+    """A device that is not there ends nothing: the service answers, says what it waits for, and takes it when it comes."""
+
+    def test_every_kind_of_device_may_be_missing(self):
+        for extra, words in (('[pan_tilt]\ndriver = "sysfs-pwm"\n[pan_tilt.pan]\nchip = "x"', "PWM chip 'x'"),
+                             ('[pan_tilt]\ndriver = "gpio"\n[pan_tilt.pan]\nline = "x"', "GPIO line 'x'"),
+                             ('[pan_tilt]\ndriver = "visca"\ndevice = "/dev/x"', "/dev/x: there is no such serial port"),
+                             ('[gpio]\ninhibit = "x"', "inhibit input: not there, waits for it: GPIO line 'x'"),
+                             ('[gpio]\nservo_power = "x"', "servo power: not there, waits for it: GPIO line 'x'"),
+                             ('[gpio]\nstatus_led = "x"', "status LED: not there, waits for it: GPIO line 'x'")):
+            port = free_port()
+            config = config_text(port=port, extra=extra)
+            with Service(config) as service, Client(port=port) as client:
+                client.wait_for(lambda registers: registers[4] & VALID)
+                service.wait_for_log(words)
+                checked = run("ninedot", "check", "--config", service.config)
+                self.assertEqual(checked.returncode, 0, checked.stderr)
+                self.assertIn("in use by a running ninedotd", checked.stdout)
+                self.assertEqual(service.end()[0], 0)
+
+    def test_a_camera_that_is_missing(self):
+        port = free_port()
+        config = config_text(port=port).replace('source = "recording"', 'source = "v4l2"').replace(
+            f'device = "{APPROACH}"', f'device = "/dev/does-not-exist"\ncalibration = "{APPROACH}/camera.yaml"')
+        with Service(config) as service, Client(port=port) as client:
+            client.wait_for(lambda registers: registers[5] == 4)
+            service.wait_for_log("/dev/does-not-exist: no such camera")
+            self.assertEqual(service.end()[0], 0)
+
+    def test_a_missing_inhibit_line_keeps_the_head_where_it_is(self):
+        port = free_port()
+        extra = '[modbus]\nallow_writes = true\n[pan_tilt]\ndriver = "simulated"\n[gpio]\ninhibit = "x"'
+        with Service(config_text(port=port, extra=extra)) as service, Client(port=port) as client:
+            client.wait_for(lambda registers: registers[4] & VALID)
+            client.write(105, [1000, 500])
+            client.write(100, [2, 77])
+            time.sleep(0.5)
+            registers = client.read()
+            self.assertEqual((int16(registers, 37), int16(registers, 38)), (0, 0))
+            service.wait_for_log("pan/tilt: not there, waits for it: the inhibit input is active")
+
+    def test_a_serial_line_comes_late_goes_and_comes_back_and_leaves_a_line_each(self):
+        with tempfile.TemporaryDirectory(prefix="ninedot-test-") as folder:
+            name = os.path.join(folder, "tty")
+            with Service(config_text(rtu_device=name)) as service:
+                service.wait_for_log(f"Modbus RTU: not there, waits for it: {name}: No such file or directory")
+                for there in (1, 2):
+                    with serial_line() as (service_end, client_end):
+                        os.symlink(os.path.realpath(service_end), name)
+                        with Client(device=client_end, unit=7) as client:
+                            deadline = time.monotonic() + PATIENCE_S
+                            while True:
+                                try:
+                                    self.assertEqual(client.read(count=1), [0x9D09])
+                                    break
+                                except Exception:
+                                    if time.monotonic() > deadline:
+                                        raise
+                        self.wait_for_count(service, "Modbus RTU: there", there)
+                        os.unlink(name)
+                    self.wait_for_count(service, f"Modbus RTU: gone, waits for it: {name}", there)
+                self.assertEqual(service.end()[0], 0)
+                self.assertEqual(service.log_text().count("Modbus RTU:"), 5, service.log_text())
+
+    def wait_for_count(self, service, text, count):
+        deadline = time.monotonic() + PATIENCE_S
+        while service.log_text().count(text) < count:
+            self.assertLess(time.monotonic(), deadline, service.log_text())
+            time.sleep(0.02)
+
+
+class LogOfTheModbusServers(unittest.TestCase):
+    def test_a_flood_of_refused_clients_leaves_one_line(self):
+        port = free_port()
+        config = config_text(port=port) + 'allow = ["192.0.2.1"]\n'
+        with Service(config) as service:
+            service.wait_for_log("found at")
+            for _ in range(200):
+                with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S) as client:
+                    client.settimeout(PATIENCE_S)
+                    try:
+                        self.assertEqual(client.recv(1), b"")
+                    except ConnectionResetError:
+                        pass
+            service.wait_for_log("Modbus clients refused")
+            service.end()
+            log = service.log_text()
+        self.assertEqual(log.count("Modbus clients refused"), 1, log)
+        self.assertRegex(log, r"Modbus clients refused: (the last one )?127\.0\.0\.1:\d+ is not on the list `allow`")
+
+    def test_a_client_without_a_place_and_an_unreadable_frame_leave_a_line(self):
+        port = free_port()
+        config = config_text(port=port) + "max_clients = 1\n"
+        with Service(config) as service, Client(port=port) as client:
+            client.read(count=1)
+            with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S) as other:
+                service.wait_for_log("found no place: all of `max_clients` are taken")
+            client.client.close()
+            time.sleep(0.2)
+            with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S) as other:
+                other.sendall(b"GET / HTTP/1.1\r\n\r\n")
+                service.wait_for_log("1 unreadable Modbus frames")
+
+
 class RefusingToStart(unittest.TestCase):
     def refused(self, config, status, *words):
         with Service(config) as service:
@@ -298,8 +402,8 @@ class RefusingToStart(unittest.TestCase):
             port = taken.getsockname()[1]
             self.refused(config_text(port=port), 1, str(port))
 
-    def test_a_serial_device_that_does_not_exist(self):
-        self.refused(config_text(rtu_device="/dev/does-not-exist"), 1, "/dev/does-not-exist")
+    def test_a_serial_device_that_is_none(self):
+        self.refused(config_text(rtu_device="/dev/null"), 2, "/dev/null", "no serial line")
 
     def test_a_recording_that_does_not_exist(self):
         self.refused(config_text("/does/not/exist", port=free_port()), 1, "/does/not/exist")
@@ -320,21 +424,6 @@ class RefusingToStart(unittest.TestCase):
 
     def test_a_key_that_does_not_exist(self):
         self.refused(config_text(extra="speed = 3"), 2, "speed", ":")
-
-    def test_a_head_whose_devices_are_not_there(self):
-        for head, words in (('driver = "sysfs-pwm"\n[pan_tilt.pan]\nchip = "x"', ("PWM chip 'x'",)),
-                            ('driver = "gpio"\n[pan_tilt.pan]\nline = "x"', ("GPIO line 'x'",)),
-                            ('driver = "visca"\ndevice = "/dev/x"', ("/dev/x",)),
-                            ('driver = "none"\n[gpio]\ninhibit = "x"', ("GPIO line 'x'",))):
-            config = config_text(port=free_port(), extra="[pan_tilt]\n" + head)
-            self.refused(config, 2, *words)
-            with tempfile.TemporaryDirectory(prefix="ninedot-test-") as folder:
-                path = pathlib.Path(folder) / "config.toml"
-                path.write_text(config)
-                checked = run("ninedot", "check", "--config", path)
-            self.assertEqual(checked.returncode, 2)
-            self.assertRegex(checked.stderr, r"^ninedot: .*config\.toml:\d+: ")
-            self.assertEqual(len(checked.stderr.splitlines()), 1)
 
     def test_a_configuration_that_does_not_exist(self):
         result = run("ninedotd", "--config", "/does/not/exist.toml")

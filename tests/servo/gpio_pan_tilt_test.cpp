@@ -34,10 +34,11 @@ struct Scope {
 class ScopedLine final : public DigitalOutput {
  public:
   explicit ScopedLine(Scope& scope) : scope_(scope) {}
-  int set(bool active) noexcept override {
+  Result<void> set(bool active) noexcept override {
     const std::lock_guard lock(scope_.mutex);
     scope_.seen.push_back({mono_now(), active});
-    return scope_.error;
+    if (scope_.error != 0) return fail(Errc::kIo, "no such line", scope_.error);
+    return {};
   }
 
  private:

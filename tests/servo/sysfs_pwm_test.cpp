@@ -8,8 +8,10 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 
 #include "base/startup_error.h"
+#include "drivers/servo/late_pan_tilt.h"
 
 namespace ninedot {
 namespace {
@@ -28,6 +30,7 @@ class PwmTree {
   }
   ~PwmTree() { fs::remove_all(root_); }
   std::string root() const { return (root_ / "class").string(); }
+  void pull_chip(const std::string& name) const { fs::remove_all(root_ / "class" / name); }
   /// What was written last; the kernel takes each write as a whole, a plain file keeps the rest of a longer one.
   std::string value(const std::string& file) const {
     std::string line;
@@ -35,12 +38,10 @@ class PwmTree {
     return line;
   }
 
- private:
-  void add_chip(const std::string& name, const std::string& device, int channels) {
+  void add_chip(const std::string& name, const std::string& device, int channels) const {
     const fs::path chip = root_ / "class" / name;
     fs::create_directories(chip);
     fs::create_directories(root_ / "devices" / device);
-    fs::create_directory_symlink("../../devices/" + device, chip / "device");
     std::ofstream(chip / "npwm") << channels << "\n";
     for (const char* file : {"export", "unexport"}) std::ofstream(chip / file) << "";
     for (int i = 0; i < channels; ++i) {
@@ -48,7 +49,10 @@ class PwmTree {
       fs::create_directories(channel);
       for (const char* file : {"period", "duty_cycle", "enable"}) std::ofstream(channel / file) << "0\n";
     }
+    fs::create_directory_symlink("../../devices/" + device, chip / "device");  // last: by this it is found
   }
+
+ private:
   fs::path root_;
 };
 
@@ -110,6 +114,34 @@ TEST(SysfsPanTilt, WritesThePulsesAndCutsThemAtTheirLimits) {
   EXPECT_NEAR(unit.state().angles.tilt_rad, 36 * kDeg, 1e-9) << "where the cut pulse turns it";
   unit.move_to({});
   EXPECT_FALSE(unit.state().limited);
+}
+
+TEST(SysfsPanTilt, ComesIntoUseWhenItsChipAppears) {
+  const PwmTree tree;
+  tree.pull_chip("pwmchip3");
+  LatePanTiltOptions late;
+  late.backoff = Backoff(2ms, 10ms);
+  LatePanTilt head([&] { return std::make_unique<SysfsPanTilt>(options_for(tree), axes(), HeadAngles{}); }, late);
+  EXPECT_TRUE(head.state().failed);
+  EXPECT_NE(head.problem().find("no PWM chip 'fe20c000.pwm'"), std::string::npos);
+  tree.add_chip("pwmchip3", "fe20c000.pwm", 2);
+  const MonoTime until = mono_now() + 10s;
+  while (head.state().failed && mono_now() < until) std::this_thread::sleep_for(1ms);
+  head.move_to({-22.5 * kDeg, 0});
+  EXPECT_EQ(tree.value("pwmchip3/pwm0/duty_cycle"), "1250000");
+  EXPECT_EQ(head.problem(), "");
+}
+
+TEST(SysfsPanTilt, RefusesAChannelThatItsChipWillNeverHave) {
+  const PwmTree tree;
+  SysfsPanTiltOptions options = options_for(tree);
+  options.tilt_channel = 2;
+  try {
+    const LatePanTilt head([&] { return std::make_unique<SysfsPanTilt>(options, axes(), HeadAngles{}); }, {});
+    FAIL() << "waits for a channel that will never come";
+  } catch (const StartupError& error) {
+    EXPECT_NE(std::string(error.what()).find("no channel 2"), std::string::npos);
+  }
 }
 
 TEST(SysfsPanTilt, StopsThePulsesAtTheEnd) {

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/startup_error.h"
+#include "drivers/servo/late_pan_tilt.h"
 #include "tests/servo/visca_axes.h"
 #include "tests/servo/visca_emulated_camera.h"
 #include "tests/support/allocation_counter.h"
@@ -302,6 +303,30 @@ TEST(ViscaPanTilt, TalksToTheSecondOfThreeCameras) {
   ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
   head.move_to(angles_deg(20, 5));
   EXPECT_TRUE(gets_to(head, angles_deg(20, 5)));
+}
+
+TEST(ViscaPanTilt, ComesIntoUseWhenItsAdapterIsPluggedInAndItsCameraSwitchedOn) {
+  EmulatedViscaCamera camera;
+  camera.unplug();
+  camera.faults.silent = true;
+  ViscaOptions options = options_for(camera);
+  options.answer_timeout = 50ms;
+  options.reply_timeout = 20ms;
+  LatePanTiltOptions late;
+  late.reopens_failed = false;
+  late.backoff = Backoff(2ms, 20ms);
+  LatePanTilt head([&] { return std::make_unique<ViscaPanTilt>(options, test::evi_d31_axes(), HeadAngles{}); }, late);
+  EXPECT_TRUE(head.state().failed);
+  EXPECT_NE(head.problem().find("there is no such serial port"), std::string::npos) << head.problem();
+  camera.plug();
+  EXPECT_TRUE(eventually([&] { return head.problem().find("no camera answers") != std::string::npos; }));
+  EXPECT_TRUE(head.state().failed);
+  camera.faults.silent = false;
+  EXPECT_TRUE(eventually([&] {
+    head.move_to(angles_deg(10, 5));
+    return !head.state().failed && camera.pan_steps() == -88;
+  }));
+  EXPECT_EQ(head.problem(), "");
 }
 
 TEST(ViscaPanTilt, EndsAtOnceWhateverTheCameraDoes) {
