@@ -16,6 +16,8 @@
 #include "base/startup_error.h"
 #include "drivers/modbus/request.h"
 #include "drivers/modbus/server_thread.h"
+#include "drivers/posix/backoff.h"
+#include "drivers/posix/poll_until.h"
 
 namespace ninedot {
 namespace {
@@ -27,7 +29,6 @@ constexpr std::chrono::microseconds kShortestSilence{1750};
 /// USB adapters deliver in bursts up to 16 ms apart (FTDI's default latency timer).
 constexpr std::chrono::milliseconds kTornFrameWait{20};
 constexpr std::chrono::seconds kSendTimeout{1};
-constexpr std::chrono::milliseconds kFirstReopenWait{100}, kLongestReopenWait{5000};
 
 std::chrono::nanoseconds character_time(const ModbusRtuOptions& options) noexcept {
   const int bits = 1 + 8 + (options.parity == 'N' ? 0 : 1) + options.stop_bits;
@@ -109,18 +110,13 @@ void RtuServer::run() noexcept {
 }
 
 bool RtuServer::reopen() noexcept {
-  std::chrono::milliseconds wait = kFirstReopenWait;
-  for (;;) {
-    pollfd stop{stop_.get(), POLLIN, 0};
-    (void)poll_until(std::span(&stop, 1), bank_.now() + wait);
-    if (stop.revents != 0) return false;
+  for (Backoff backoff; !is_rung_within(stop_, backoff.next());) {
     line_ = open_line(options_);
-    if (line_) {
-      fd_ = modbus_get_socket(line_.get());
-      return true;
-    }
-    wait = std::min(2 * wait, kLongestReopenWait);
+    if (!line_) continue;
+    fd_ = modbus_get_socket(line_.get());
+    return true;
   }
+  return false;
 }
 
 RtuServer::LineState RtuServer::serve_until_lost() noexcept {

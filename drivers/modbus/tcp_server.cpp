@@ -12,6 +12,7 @@
 
 #include "base/startup_error.h"
 #include "drivers/modbus/server_thread.h"
+#include "drivers/posix/poll_until.h"
 
 namespace ninedot {
 namespace {

@@ -19,6 +19,7 @@
 #include "base/contract.h"
 #include "base/startup_error.h"
 #include "drivers/posix/open_advice.h"
+#include "drivers/posix/poll_until.h"
 
 namespace ninedot {
 namespace {
@@ -43,15 +44,6 @@ ViscaOrder unpack(std::uint64_t word) noexcept {
 std::int16_t whole_steps(double steps) noexcept {
   using Limits = std::numeric_limits<std::int16_t>;
   return static_cast<std::int16_t>(std::lround(std::clamp<double>(steps, Limits::min(), Limits::max())));
-}
-
-int poll_until(std::span<pollfd> polled, MonoTime wake_at) noexcept {
-  timespec wait{};
-  const std::int64_t left_ns =
-      wake_at == MonoTime::max() ? -1 : std::max<std::int64_t>(0, to_ns(wake_at) - to_ns(mono_now()));
-  wait.tv_sec = static_cast<time_t>(left_ns / 1'000'000'000);
-  wait.tv_nsec = static_cast<long>(left_ns % 1'000'000'000);
-  return ::ppoll(polled.data(), polled.size(), left_ns < 0 ? nullptr : &wait, nullptr);
 }
 
 void expect(bool right, const std::string& line) {
@@ -131,18 +123,16 @@ ViscaPanTilt::ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes, c
       zoom_table_(options_.zoom_table),
       order_(0),
       dialogue_(options_),
-      reopen_wait_(options_.first_reopen_wait),
-      wake_up_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (!wake_up_) throw StartupError(ExitStatus::kWorkFailed, "no more descriptors: raise the limit of open files");
+      backoff_(options_.first_reopen_wait, options_.longest_reopen_wait),
+      ordered_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (!ordered_) throw StartupError(ExitStatus::kWorkFailed, "no more descriptors: raise the limit of open files");
   start();
   move_to(neutral);
   thread_ = std::thread([this]() noexcept { run(); });
 }
 
 ViscaPanTilt::~ViscaPanTilt() {
-  ends_.store(true, std::memory_order_release);
-  const std::uint64_t one = 1;
-  [[maybe_unused]] const auto written = ::write(wake_up_.get(), &one, sizeof one);
+  stop_.ring();
   thread_.join();
 }
 
@@ -159,7 +149,7 @@ void ViscaPanTilt::leave_order(ViscaOrder::Kind kind, const ViscaPosition& posit
   if (kind == ViscaOrder::Kind::kMove && last.kind == kind && last.position == position) return;
   order_.store(pack({kind, position, (last.sequence + 1) & 0xFFFFFFU}), std::memory_order_release);
   const std::uint64_t one = 1;
-  [[maybe_unused]] const auto written = ::write(wake_up_.get(), &one, sizeof one);
+  [[maybe_unused]] const auto written = ::write(ordered_.get(), &one, sizeof one);
 }
 
 void ViscaPanTilt::move_to(const HeadAngles& angles) noexcept {
@@ -214,33 +204,19 @@ void ViscaPanTilt::run() noexcept {
 }
 
 bool ViscaPanTilt::reopen() noexcept {
-  for (;;) {
-    if (!wait_to_reopen()) return false;
-    reopen_wait_ = std::min(2 * reopen_wait_, options_.longest_reopen_wait);
+  // An order that comes meanwhile is not forgotten; nobody is there to hear it.
+  while (!is_rung_within(stop_, backoff_.next())) {
     auto tty = ViscaTty::open(options_.device);
     if (!tty) continue;
     tty_.emplace(*std::move(tty));
     dialogue_.begin(mono_now());
     return true;
   }
-}
-
-bool ViscaPanTilt::wait_to_reopen() noexcept {
-  const MonoTime until = mono_now() + reopen_wait_;
-  while (!ends_.load(std::memory_order_acquire)) {
-    if (mono_now() >= until) return true;
-    pollfd wake{wake_up_.get(), POLLIN, 0};
-    if (poll_until(std::span(&wake, 1), until) <= 0) continue;
-    // An order: it is not forgotten, but nobody is there to hear it.
-    std::uint64_t count = 0;
-    [[maybe_unused]] const auto got = ::read(wake_up_.get(), &count, sizeof count);
-  }
   return false;
 }
 
 ViscaPanTilt::LineState ViscaPanTilt::talk(bool until_ready) noexcept {
   for (;;) {
-    if (ends_.load(std::memory_order_acquire)) return LineState::kStopping;
     dialogue_.order(unpack(order_.load(std::memory_order_acquire)));
     const MonoTime now = mono_now();
     if (const auto packet = dialogue_.next_packet(now); packet && !tty_->try_send(packet->bytes()))
@@ -248,7 +224,7 @@ ViscaPanTilt::LineState ViscaPanTilt::talk(bool until_ready) noexcept {
     if (dialogue_.is_lost(now)) return LineState::kLost;
     publish();
     if (dialogue_.is_ready()) {
-      reopen_wait_ = options_.first_reopen_wait;
+      backoff_.reset();
       if (until_ready) return LineState::kGood;
     }
     if (const LineState state = wait_and_receive(); state != LineState::kGood) return state;
@@ -256,14 +232,15 @@ ViscaPanTilt::LineState ViscaPanTilt::talk(bool until_ready) noexcept {
 }
 
 ViscaPanTilt::LineState ViscaPanTilt::wait_and_receive() noexcept {
-  std::array<pollfd, 2> polled = {{{wake_up_.get(), POLLIN, 0}, {tty_->get(), POLLIN, 0}}};
+  std::array<pollfd, 3> polled = {{{stop_.get(), POLLIN, 0}, {ordered_.get(), POLLIN, 0}, {tty_->get(), POLLIN, 0}}};
   if (poll_until(polled, dialogue_.wake_at()) <= 0) return LineState::kGood;
-  if (polled[0].revents != 0) {
+  if (polled[0].revents != 0) return LineState::kStopping;
+  if (polled[1].revents != 0) {
     std::uint64_t count = 0;
-    [[maybe_unused]] const auto got = ::read(wake_up_.get(), &count, sizeof count);
+    [[maybe_unused]] const auto got = ::read(ordered_.get(), &count, sizeof count);
   }
-  if ((polled[1].revents & (POLLHUP | POLLERR | POLLNVAL)) != 0) return LineState::kLost;
-  if (polled[1].revents == 0) return LineState::kGood;
+  if ((polled[2].revents & (POLLHUP | POLLERR | POLLNVAL)) != 0) return LineState::kLost;
+  if (polled[2].revents == 0) return LineState::kGood;
   std::array<std::uint8_t, 256> bytes;
   const auto got = tty_->receive(bytes);
   if (!got) return LineState::kLost;

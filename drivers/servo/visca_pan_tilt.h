@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "aim/servo_axis.h"
+#include "drivers/posix/backoff.h"
 #include "drivers/posix/file_descriptor.h"
 #include "drivers/servo/visca_dialogue.h"
 #include "drivers/servo/visca_options.h"
@@ -52,7 +53,6 @@ class ViscaPanTilt final : public PanTilt {
   LineState talk(bool until_ready) noexcept;
   LineState wait_and_receive() noexcept;
   bool reopen() noexcept;
-  bool wait_to_reopen() noexcept;
   void leave_order(ViscaOrder::Kind kind, const ViscaPosition& position) noexcept;
   void publish() noexcept;
 
@@ -68,9 +68,9 @@ class ViscaPanTilt final : public PanTilt {
 
   ViscaDialogue dialogue_;
   std::optional<ViscaTty> tty_;
-  std::chrono::milliseconds reopen_wait_;
-  std::atomic<bool> ends_{false};
-  FileDescriptor wake_up_;  // an eventfd
+  Backoff backoff_;
+  WakeUp stop_;
+  FileDescriptor ordered_;  // an eventfd
   std::thread thread_;
 };
 
