@@ -54,6 +54,10 @@ Result<PictureSize> decode_jpeg(tjhandle jpeg, std::span<const std::uint8_t> fil
 /// A JPEG's planes are whole blocks of its subsampling, up to four pixels: this much longer on each side.
 constexpr int kPlaneMargin_px = 3;
 
+constexpr std::size_t scratch_bytes(PictureSize size) noexcept {
+  return 3 * PictureSize{size.width_px + kPlaneMargin_px, size.height_px + kPlaneMargin_px}.pixel_count();
+}
+
 ChromaView full_size_view(std::span<const std::uint8_t> chroma, PictureSize size) noexcept {
   return {chroma.data(), chroma.data() + size.pixel_count(), size.width_px, size.height_px, 1, size.width_px};
 }
@@ -109,7 +113,7 @@ void fill_luma(std::span<const std::uint8_t> rgb, std::span<std::uint8_t> luma) 
 
 PictureDecoder::PictureDecoder(PictureSize size)
     : size_(size),
-      scratch_(3 * PictureSize{size.width_px + kPlaneMargin_px, size.height_px + kPlaneMargin_px}.pixel_count()),
+      scratch_(std::make_unique_for_overwrite<std::uint8_t[]>(scratch_bytes(size))),
       jpeg_(tjInitDecompress()) {}
 
 PictureDecoder::~PictureDecoder() {
@@ -131,7 +135,7 @@ Result<PictureSize> PictureDecoder::decode(std::span<const std::uint8_t> file, s
     if (!decoded) recover_jpeg();
     return decoded;
   }
-  const auto colours = rgb.empty() ? std::span(scratch_).first(3 * luma.size()) : rgb;
+  const auto colours = rgb.empty() ? std::span(scratch_.get(), 3 * luma.size()) : rgb;
   NINEDOT_TRY(const bool has_colour, decode_samples(file, size_, luma, colours));
   if (has_colour)
     fill_luma(colours, luma);
@@ -144,11 +148,12 @@ Result<ChromaView> PictureDecoder::decode_with_chroma(std::span<const std::uint8
                                                       std::span<std::uint8_t> chroma) noexcept {
   EXPECTS(luma.size() == size_.pixel_count() && chroma.size() == 2 * luma.size());
   if (is_jpeg(file)) {
-    const Result<ChromaView> decoded = decode_jpeg_with_chroma(jpeg_, file, size_, luma, chroma, scratch_);
+    const Result<ChromaView> decoded =
+        decode_jpeg_with_chroma(jpeg_, file, size_, luma, chroma, {scratch_.get(), scratch_bytes(size_)});
     if (!decoded) recover_jpeg();
     return decoded;
   }
-  const auto rgb = std::span(scratch_).first(3 * luma.size());
+  const auto rgb = std::span(scratch_.get(), 3 * luma.size());
   NINEDOT_TRY(const bool has_colour, decode_samples(file, size_, luma, rgb));
   if (!has_colour) return ChromaView{};
   fill_luma(rgb, luma);

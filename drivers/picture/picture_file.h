@@ -25,7 +25,7 @@ struct PictureSize {
   int width_px = 0;
   int height_px = 0;
 
-  std::size_t pixel_count() const noexcept {
+  constexpr std::size_t pixel_count() const noexcept {
     return static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
   }
   friend bool operator==(const PictureSize&, const PictureSize&) = default;
@@ -59,8 +59,8 @@ class PictureDecoder {
   void recover_jpeg() noexcept;
 
   PictureSize size_;
-  std::vector<std::uint8_t> scratch_;  ///< R, G, B of a picture, or a padded plane of luma
-  void* jpeg_ = nullptr;               ///< tjhandle, a void* in turbojpeg.h as well
+  std::unique_ptr<std::uint8_t[]> scratch_;  ///< R, G, B of a picture, or a padded plane of luma
+  void* jpeg_ = nullptr;                     ///< tjhandle, a void* in turbojpeg.h as well
 };
 
 /// Size from the header alone.

@@ -20,7 +20,8 @@ RecordingSource::RecordingSource(const std::string& path, const RecordingOptions
       reader_(index_, size_) {
   set_times();
   if (!preload())
-    for (Buffer& buffer : buffers_) buffer.own.bytes = std::make_unique<std::uint8_t[]>(3 * size_.pixel_count());
+    for (Buffer& buffer : buffers_)
+      buffer.own.bytes = std::make_unique_for_overwrite<std::uint8_t[]>(3 * size_.pixel_count());
   // Signals are for the main thread, which waits for them.
   sigset_t all, before;
   sigfillset(&all);
@@ -119,7 +120,7 @@ bool RecordingSource::preload() {
   const std::size_t luma_bytes = size_.pixel_count();
   if (!options_.loop || luma_bytes * index_.frames.size() > options_.preload_bytes) return false;
   std::size_t whole_bytes = 0;
-  auto whole = std::make_unique<std::uint8_t[]>(3 * luma_bytes);
+  auto whole = std::make_unique_for_overwrite<std::uint8_t[]>(3 * luma_bytes);
   for (std::size_t i = 0; i < index_.frames.size(); ++i) {
     Picture picture{nullptr, decode(i, whole.get())};
     const bool is_grey = !picture.chroma || picture.chroma->empty();
@@ -132,7 +133,7 @@ bool RecordingSource::preload() {
       picture.bytes = std::make_unique_for_overwrite<std::uint8_t[]>(luma_bytes);
       std::copy_n(whole.get(), luma_bytes, picture.bytes.get());
     } else {
-      picture.bytes = std::exchange(whole, std::make_unique<std::uint8_t[]>(3 * luma_bytes));
+      picture.bytes = std::exchange(whole, std::make_unique_for_overwrite<std::uint8_t[]>(3 * luma_bytes));
     }
     preloaded_.push_back(std::move(picture));
   }
