@@ -191,14 +191,14 @@ Result<std::size_t> write_png_rgb(const std::string& path, std::span<const std::
   std::vector<std::uint8_t> file;
   NINEDOT_TRY(const std::size_t bytes, encode_png_rgb(rgb, size, file));
   EXPECTS(bytes == file.size());
-  return write_whole_file(path, file);
+  return write_whole_file(path, file, Durability::kWhenConvenient);
 }
 
 Result<std::size_t> write_png_grey(const std::string& path, const ImageView& luma) {
   std::vector<std::uint8_t> file;
   NINEDOT_TRY(const std::size_t bytes, encode_png_grey(luma, file));
   EXPECTS(bytes == file.size());
-  return write_whole_file(path, file);
+  return write_whole_file(path, file, Durability::kWhenConvenient);
 }
 
 }  // namespace ninedot

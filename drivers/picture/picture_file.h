@@ -75,7 +75,7 @@ Result<std::size_t> encode_png_grey(const ImageView& luma, std::vector<std::uint
 Result<std::size_t> encode_png_rgb(std::span<const std::uint8_t> rgb, PictureSize size,
                                    std::vector<std::uint8_t>& file);
 
-/// Writes an overlay: temporary name, then renamed. \error kIo with errno.
+/// Writes an overlay (write_whole_file, Durability::kWhenConvenient). \error kIo with errno.
 Result<std::size_t> write_png_rgb(const std::string& path, std::span<const std::uint8_t> rgb, PictureSize size);
 /// The same for 8-bit grey.
 Result<std::size_t> write_png_grey(const std::string& path, const ImageView& luma);
