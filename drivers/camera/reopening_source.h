@@ -25,8 +25,8 @@ namespace ninedot {
 struct ReopenOptions {
   /// Frame periods without a frame: the camera is lost. The configuration's default, camera.stall_frames.
   int stall_periods = 10;
-  /// Cameras take their time to the first frame: automatic exposure, USB negotiation. The kernel's test camera behind
-  /// an emulated card took 1.0 s at most (docs/hil.md, no lock); three times that.
+  /// Cameras take their time to the first frame: automatic exposure, USB negotiation. The kernel's test camera has
+  /// frames again 1.0 s after its signal is back, an attempt in vain included (docs/hil.md); three times that.
   std::chrono::nanoseconds first_frame_within = std::chrono::seconds(3);
   std::chrono::nanoseconds first_pause = Backoff::kFirst;
   std::chrono::nanoseconds longest_pause = Backoff::kLongest;

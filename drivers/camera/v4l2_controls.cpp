@@ -14,7 +14,7 @@ namespace {
 
 /// Of V4L2_CID_EXPOSURE_ABSOLUTE: "in 100 us units" (kernel documentation, Camera Control Reference).
 constexpr std::chrono::microseconds kExposureUnit{100};
-/// A driver whose list never ends must not hang us; uvcvideo, the longest, has about 30.
+/// A driver whose list never ends must not hang us.
 constexpr int kMaxControls = 256;
 
 std::optional<int> read_control(VideoKernel& kernel, int fd, std::uint32_t id) noexcept {

@@ -45,7 +45,7 @@ class V4l2Device final : public CameraDevice {
   /// there is no zoom.
   std::optional<std::chrono::nanoseconds> refresh() noexcept override;
 
-  /// A camera's automatic exposure settles over some ten frames; four readings a second follow it to within 0.25 s.
+  /// At most so far behind the light, for four questions a second on the camera's bus.
   static constexpr std::chrono::milliseconds kRefreshPause{250};
 
  private:

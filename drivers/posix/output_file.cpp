@@ -12,7 +12,7 @@
 namespace ninedot {
 namespace {
 
-/// What glibc's pipes and most file systems take at once.
+/// What a pipe holds (pipe(7)): one system call for many rows.
 constexpr std::size_t kPiece_bytes = std::size_t{64} * 1024;
 
 }  // namespace

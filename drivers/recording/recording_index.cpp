@@ -22,8 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Without frames.csv a gap in the numbers stands for missing pictures, but not for more of them than this: about five
-/// minutes at 35 Hz, longer than any loss that a camera comes back from unnoticed.
+/// Without frames.csv a gap in the numbers stands for missing pictures, but not for more of them than this: five
+/// minutes at kUntimedRate_hz.
 constexpr std::uint64_t kMaxMissing = 10'000;
 /// Longer ones are a clock that jumped; the limit also keeps the times of endless loops within 64 bits.
 constexpr std::chrono::nanoseconds kMaxDuration = std::chrono::hours(24 * 366);

@@ -27,9 +27,8 @@ struct RecordingOptions {
   bool loop = false;   ///< starts again at the end; frame numbers and times go on growing
   PictureSize
       size{};  ///< what the calibration is for; other pictures fail with kFrameSize. 0 x 0 = the recording's own
-  /// A looped recording whose pictures, luma and colour, fit into this is decoded once, by the constructor. 64 MiB hold
-  /// six seconds of grey VGA pictures at 35 Hz, and are a sixteenth of the smallest board's memory that runs this (1
-  /// GiB).
+  /// A looped recording whose pictures, luma and colour, fit into this is decoded once, by the constructor. 64 MiB:
+  /// six seconds of grey pictures of 640 x 480 at 35 Hz.
   std::size_t preload_bytes = std::size_t{64} << 20U;
 };
 

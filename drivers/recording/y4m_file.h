@@ -10,7 +10,7 @@
 namespace ninedot {
 
 /// A stream header or frame header is at most this long, its line feed included.
-/// The specification names no limit; ffmpeg writes less than 128 bytes.
+/// The specification names no limit; its fields with their longest values take 60 bytes, the rest is for comments.
 inline constexpr std::size_t kMaxY4mHeader_bytes = 512;
 
 struct Y4mHeader {
