@@ -194,7 +194,7 @@ TEST(V4l2Device, FollowsAnAutomaticExposureThatChangesWithTheLight) {
     device.release(frame->buffer);
     return frame->frame;
   };
-  const MonoTime stamp = std::chrono::floor<std::chrono::microseconds>(mono_now());
+  const MonoTime stamp = std::chrono::floor<std::chrono::microseconds>(mono_now()) - 1ms;
   EXPECT_EQ(grab_frame(stamp).exposed_at(), stamp - 2500us);
 
   bench.kernel.values[V4L2_CID_EXPOSURE_ABSOLUTE] = 200;  // it grew dark
