@@ -2,6 +2,7 @@
 /// A camera as ReopeningSource sees it: something that is opened, gives frames, and may vanish.
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "base/mono_time.h"
@@ -19,13 +20,15 @@ struct CameraRequest {
   std::string device;  ///< V4L2 path, or libcamera id or model
   int width_px = 640;
   int height_px = 480;
-  double rate_hz = 35;
+  double rate_hz = 35;                           ///< frames per second
   std::string pixel_format = "auto";             ///< a name of pixel_formats(), or "auto"
   std::chrono::nanoseconds exposure{0};          ///< 0 = automatic
   double gain = 0;                               ///< 0 = automatic; V4L2: in the driver's units, libcamera: a factor
   bool lower_rate_in_the_dark = false;           ///< automatic exposure may lower the frame rate
   PowerLine power_line = PowerLine::kUnchanged;  ///< V4L2 only
   std::chrono::nanoseconds readout{0};           ///< see ShutterTiming::readout
+  /// Frame::row_time of every frame: no driver tells it. 0 = global shutter, or unknown.
+  std::chrono::nanoseconds row_time{0};
 };
 
 /// Why a camera can't be opened: the line for the user, and the errno behind it (0 = none).
@@ -62,8 +65,14 @@ class CameraDevice {
   ///        device must be closed and opened again.
   /// Memory: none of ours. Threads: one caller, while open.
   virtual Result<GrabbedFrame> grab(MonoTime deadline) noexcept = 0;
-  /// Any thread, while open.
+  /// Any thread, while open; the frame loop's above all: waits for nobody.
   virtual void release(std::uint32_t buffer) noexcept = 0;
+
+  /// Asks the device what may have changed by itself since it was opened, such as an automatic exposure. May block as
+  /// long as the device takes to answer; `grab` goes on meanwhile and uses what was known before.
+  /// \return  when to ask again; nothing: never
+  /// Threads: the one that opens and closes, while open.
+  virtual std::optional<std::chrono::nanoseconds> refresh() noexcept { return std::nullopt; }
 };
 
 }  // namespace ninedot

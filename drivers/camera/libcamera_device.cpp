@@ -9,22 +9,24 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cmath>
-#include <condition_variable>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <mutex>
+#include <optional>
 
 #include "base/contract.h"
 #include "drivers/camera/exposure_stamp.h"
 #include "drivers/camera/libcamera_shim.h"
 #include "drivers/camera/pixel_format.h"
+#include "drivers/camera/request_exchange.h"
 
 namespace ninedot {
 namespace {
 
+/// One with the caller, one ready, two for the camera to fill.
 constexpr unsigned kBufferCount = 4;
 
 /// libcamera's names of the formats that we read, in order of preference.
@@ -140,22 +142,16 @@ class LibcameraDevice::Session {
   std::chrono::nanoseconds period() const noexcept { return period_; }
 
   Result<GrabbedFrame> grab(MonoTime deadline) noexcept {
-    libcamera::Request* request = nullptr;
+    NINEDOT_TRY(const NewestWins::Taken taken, exchange_->take(deadline));
+    libcamera::Request& request = *requests_[taken.buffer];
     GrabbedFrame grabbed;
     Frame& frame = grabbed.frame;
-    {
-      std::unique_lock lock(mutex_);
-      completed_.wait_until(lock, deadline, [this] { return newest_ != nullptr || lost_ != nullptr; });
-      if (lost_ != nullptr) return fail(Errc::kCameraLost, lost_, ENODEV);
-      if (newest_ == nullptr) return fail(Errc::kNoFrame, "no frame in time");
-      request = std::exchange(newest_, nullptr);
-      grabbed.skipped = std::exchange(skipped_, 0);
-      grabbed.flagged = std::exchange(flagged_, 0);
-    }
-    grabbed.buffer = static_cast<std::uint32_t>(request->cookie());
-    const libcamera::FrameMetadata& metadata = request->findBuffer(stream_)->metadata();
-    grabbed.sequence = is_filled_in(*request) ? metadata.sequence : request->sequence();
-    set_exposure(*request, frame);
+    grabbed.buffer = taken.buffer;
+    grabbed.skipped = taken.unseen.skipped;
+    grabbed.flagged = taken.unseen.flagged;
+    const libcamera::FrameMetadata& metadata = request.findBuffer(stream_)->metadata();
+    grabbed.sequence = is_filled_in(request) ? metadata.sequence : request.sequence();
+    note_metadata(request, frame);
     synchronise(grabbed.buffer, DMA_BUF_SYNC_START);
     frame.luma = luma_of(grabbed.buffer);
     const Mapping& mapping = mappings_[grabbed.buffer];
@@ -166,7 +162,7 @@ class LibcameraDevice::Session {
 
   void release(std::uint32_t buffer) noexcept {
     synchronise(buffer, DMA_BUF_SYNC_END);
-    queue_again(*requests_[buffer]);
+    exchange_->give_back(buffer);
   }
 
  private:
@@ -238,6 +234,7 @@ class LibcameraDevice::Session {
       requests_.push_back(std::move(request));
     }
     if (requests_.size() < 2) refuse("the camera gives fewer than 2 buffers", 0);
+    if (requests_.size() > NewestWins::kCapacity) refuse("the camera gives more than 32 buffers", 0);
     if (format_->layout != PixelLayout::kLumaPlane) luma_.resize(picture_bytes() * requests_.size());
   }
 
@@ -252,6 +249,7 @@ class LibcameraDevice::Session {
                                 std::chrono::duration_cast<std::chrono::microseconds>(request_.exposure),
                                 static_cast<float>(request_.gain));
     set_frame_duration(controls, known);
+    exchange_.emplace([this](std::uint32_t request) { queue_again(*requests_[request]); });
     camera_->requestCompleted.connect(this, &Session::on_completed);
     camera_->disconnected.connect(this, &Session::on_disconnected);
     const BlockedSignals blocked;
@@ -279,10 +277,8 @@ class LibcameraDevice::Session {
 
   void end() noexcept {
     if (camera_ != nullptr) {
-      {
-        const std::lock_guard lock(mutex_);
-        is_ending_ = true;
-      }
+      is_ending_.store(true, std::memory_order_release);
+      if (exchange_) exchange_->stop();  // a camera that is being stopped takes no requests
       if (is_running_) camera_->stop();
       camera_->requestCompleted.disconnect(this);
       camera_->disconnected.disconnect(this);
@@ -300,30 +296,16 @@ class LibcameraDevice::Session {
 
   // libcamera's thread from here ...
   void on_completed(libcamera::Request* request) {
-    libcamera::Request* unseen = nullptr;
-    {
-      const std::lock_guard lock(mutex_);
-      if (is_ending_) return;
-      if (request->status() == libcamera::Request::RequestCancelled) {
-        lost_ = "the camera cancelled a request";
-      } else if (is_damaged(*request)) {
-        unseen = request;
-        ++flagged_;
-      } else {
-        unseen = std::exchange(newest_, request);
-        if (unseen != nullptr) ++skipped_;
-      }
-    }
-    completed_.notify_one();
-    if (unseen != nullptr) queue_again(*unseen);
+    if (is_ending_.load(std::memory_order_acquire)) return;
+    const auto number = static_cast<std::uint32_t>(request->cookie());
+    if (request->status() == libcamera::Request::RequestCancelled)
+      exchange_->lose("the camera cancelled a request");
+    else if (is_damaged(*request))
+      exchange_->complete_damaged(number);
+    else
+      exchange_->complete(number);
   }
-  void on_disconnected() {
-    {
-      const std::lock_guard lock(mutex_);
-      lost_ = "the camera is gone";
-    }
-    completed_.notify_one();
-  }
+  void on_disconnected() { exchange_->lose("the camera is gone"); }
   // ... to here.
 
   bool is_filled_in(libcamera::Request& request) const {
@@ -337,13 +319,14 @@ class LibcameraDevice::Session {
     return is_filled_in(request) &&
            request.findBuffer(stream_)->metadata().status != libcamera::FrameMetadata::FrameSuccess;
   }
+  /// On the thread of exchange_: libcamera allocates for this.
   void queue_again(libcamera::Request& request) noexcept {
     request.reuse(libcamera::Request::ReuseBuffers);
     // A refusal means a camera that is gone: it says so itself, or stalls.
     camera_->queueRequest(&request);
   }
 
-  void set_exposure(libcamera::Request& request, Frame& frame) const noexcept {
+  void note_metadata(libcamera::Request& request, Frame& frame) const noexcept {
     const MonoTime now = mono_now();
     const auto exposure_us = request.metadata().get(libcamera::controls::ExposureTime);
     const ShutterTiming timing{
@@ -351,7 +334,11 @@ class LibcameraDevice::Session {
         request_.readout};
     const auto stamp = request.metadata().get(libcamera::controls::SensorTimestamp);
     const auto gain = request.metadata().get(libcamera::controls::AnalogueGain);
-    if (gain) frame.gain = static_cast<double>(*gain);
+    const auto digital_gain = request.metadata().get(libcamera::controls::DigitalGain);
+    if (gain) frame.gain = static_cast<double>(*gain) * static_cast<double>(digital_gain.value_or(1.0F));
+    const auto lens = request.metadata().get(libcamera::controls::LensPosition);
+    if (lens) frame.focus_dioptre = static_cast<double>(*lens);
+    frame.row_time = request_.row_time;
     frame.set_exposure(stamp ? middle_of_exposure(monotonic_from_sensor_timestamp(std::chrono::nanoseconds(*stamp),
                                                                                   read_suspended_time(), now),
                                                   StampPoint::kStartOfExposure, timing)
@@ -394,12 +381,8 @@ class LibcameraDevice::Session {
   std::vector<std::uint8_t> luma_;
   bool is_acquired_ = false, is_running_ = false;
 
-  std::mutex mutex_;
-  std::condition_variable completed_;
-  bool is_ending_ = false;
-  const char* lost_ = nullptr;
-  libcamera::Request* newest_ = nullptr;  // completed, not yet taken
-  std::uint32_t skipped_ = 0, flagged_ = 0;
+  std::atomic<bool> is_ending_{false};
+  std::optional<RequestExchange> exchange_;  // from the start on
 };
 
 LibcameraDevice::LibcameraDevice(const CameraRequest& request) : request_(request) {}

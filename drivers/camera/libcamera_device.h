@@ -12,11 +12,13 @@ namespace ninedot {
 /// Luma comes from the first plane of R8 (GREY), NV12, NV21 or YUV420 without a copy, or from YUYV or UYVY.
 ///
 /// Buffers are mapped once, and requests are used again and again. libcamera's thread puts each completed request into
-/// one slot, where the newest wins; `grab` takes it from there. A request that is cancelled while the camera runs, or a
-/// camera that disconnects, is a loss.
+/// one slot, where the newest wins; `grab` takes it from there, and a thread of this object queues again what `release`
+/// gives back (RequestExchange): neither waits for a lock or allocates. A request that is cancelled while the camera
+/// runs, or a camera that disconnects, is a loss.
 ///
 /// exposed_at: SensorTimestamp (start of the exposure of the first row) + half of the ExposureTime that the frame's own
-/// metadata name, on CLOCK_MONOTONIC (monotonic_from_sensor_timestamp).
+/// metadata name, on CLOCK_MONOTONIC (monotonic_from_sensor_timestamp). Frame::gain is AnalogueGain * DigitalGain,
+/// focus_dioptre is LensPosition (1/m where the lens is calibrated), both of the frame's own metadata.
 ///
 /// FrameMetadata that a pipeline left unfilled (the virtual pipeline of 0.4 does; no plane has a byte in it, and the
 /// time stamp is not the sensor's) is not believed: then the request's own status and sequence count.

@@ -1,17 +1,19 @@
-// The device belongs to the caller of `next` while the state is kRunning and to the supervisor while it is kLost; the
-// state changes hands under the mutex, which nobody holds across a call of the device.
+// The device belongs to the caller of `next` while the state is kRunning and to the supervisor while it is kLost;
+// whoever has it stores the other state to hand it over. Only the supervisor closes it, so it may tend it while it
+// runs.
 #include "drivers/camera/reopening_source.h"
 
 #include <pthread.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 
 namespace ninedot {
 
 ReopeningSource::ReopeningSource(std::unique_ptr<CameraDevice> device, const ReopenOptions& options)
-    : device_(std::move(device)), options_(options), pause_(options.first_pause) {
+    : device_(std::move(device)), options_(options), backoff_(options.first_pause, options.longest_pause) {
   if (options_.wait_for_device) {
     try_open();
   } else {
@@ -28,21 +30,14 @@ ReopeningSource::ReopeningSource(std::unique_ptr<CameraDevice> device, const Reo
 }
 
 ReopeningSource::~ReopeningSource() {
-  {
-    const std::lock_guard lock(mutex_);
-    stop_ = true;
-  }
-  changed_.notify_all();
+  stop_.ring();
   supervisor_.join();
   device_->close();
 }
 
 Result<FrameLease> ReopeningSource::next(MonoTime deadline) noexcept {
-  {
-    std::unique_lock lock(mutex_);
-    if (!changed_.wait_until(lock, deadline, [this] { return state_ == State::kRunning; }))
-      return tl::unexpected<Error>(lost_);
-  }
+  while (state_.load() != State::kRunning)
+    if (!opened_.wait_until(deadline) && state_.load() != State::kRunning) return why_lost();
   const Result<GrabbedFrame> frame = device_->grab(std::min(deadline, expected_by_));
   if (frame) return lend(*frame);
   switch (frame.error().code) {
@@ -68,10 +63,7 @@ FrameLease ReopeningSource::lend(const GrabbedFrame& grabbed) noexcept {
   flagged_.fetch_add(grabbed.flagged, std::memory_order_relaxed);
   if (has_number_) frame_number_ += std::uint64_t{passed} + 1;
   has_number_ = true;
-  {
-    const std::lock_guard lock(mutex_);
-    ++lent_;
-  }
+  lent_.fetch_add(1);
   FrameLease lease(this, grabbed.buffer);
   lease.frame = grabbed.frame;
   lease.frame.number = frame_number_;
@@ -81,32 +73,43 @@ FrameLease ReopeningSource::lend(const GrabbedFrame& grabbed) noexcept {
 
 void ReopeningSource::give_back(std::uint32_t buffer) noexcept {
   device_->release(buffer);
-  const std::lock_guard lock(mutex_);
-  if (--lent_ == 0 && state_ == State::kLost) changed_.notify_all();
+  // In one order for all (seq_cst): either this sees that the camera is lost, or the supervisor sees no lease.
+  if (lent_.fetch_sub(1) == 1 && state_.load() == State::kLost) changed_.ring();
 }
 
 tl::unexpected<Error> ReopeningSource::lose(const Error& error) noexcept {
-  {
-    const std::lock_guard lock(mutex_);
-    state_ = State::kLost;
-    lost_ = error;
-    // A device that opens but never delivers is not asked ten times a second.
-    pause_ = has_delivered_ ? options_.first_pause : std::min(2 * pause_, options_.longest_pause);
-  }
-  changed_.notify_all();
+  lost_ = error;
+  refused_errno_.store(kNotTried);
+  state_.store(State::kLost);
+  changed_.ring();
   return tl::unexpected<Error>(error);
 }
 
-void ReopeningSource::note_opened() noexcept {
-  const std::string description = device_->description();
-  const std::lock_guard lock(mutex_);
+tl::unexpected<Error> ReopeningSource::why_lost() const noexcept {
+  switch (const int os_errno = refused_errno_.load()) {
+    case kNotTried:
+      return tl::unexpected<Error>(lost_);
+    case ENOLINK:  // the system's own words for it are "Link has been severed"
+      return fail(Errc::kCameraLost, "no usable signal at the camera's input: check cable, power and video mode");
+    default:
+      return fail(Errc::kCameraLost, "the camera can't be opened", os_errno);
+  }
+}
+
+void ReopeningSource::note_opened() {
+  {
+    std::string description = device_->description();
+    const std::lock_guard lock(texts_mutex_);
+    description_ = std::move(description);
+    refusal_.clear();
+  }
   if (was_open_) restarts_.fetch_add(1, std::memory_order_relaxed);
   was_open_ = true;
   has_delivered_ = false;
   stall_after_ = options_.stall_periods * device_->frame_period();
   expected_by_ = mono_now() + std::max(stall_after_, options_.first_frame_within);
-  description_ = description;
-  state_ = State::kRunning;
+  state_.store(State::kRunning);
+  opened_.ring();
 }
 
 bool ReopeningSource::try_open() noexcept {
@@ -115,37 +118,44 @@ bool ReopeningSource::try_open() noexcept {
     note_opened();
     return true;
   } catch (const CameraRefused& refused) {
-    const std::lock_guard lock(mutex_);
-    // The system's own words for it are "Link has been severed".
-    lost_ =
-        refused.os_errno == ENOLINK
-            ? Error{Errc::kCameraLost, 0, "no usable signal at the camera's input: check cable, power and video mode"}
-            : Error{Errc::kCameraLost, refused.os_errno, "the camera can't be opened"};
-    description_ = refused.what();
+    note_refusal(refused.os_errno, refused.what());
   } catch (const std::exception& failure) {
-    const std::lock_guard lock(mutex_);
-    lost_ = Error{Errc::kCameraLost, 0, "the camera can't be opened"};
-    description_ = failure.what();
+    note_refusal(0, failure.what());
   }
   return false;
 }
 
+void ReopeningSource::note_refusal(int os_errno, const char* line) noexcept {
+  refused_errno_.store(os_errno);
+  const std::lock_guard lock(texts_mutex_);
+  description_ = refusal_ = line;
+}
+
 void ReopeningSource::supervise() noexcept {
-  std::unique_lock lock(mutex_);
-  for (;;) {
-    changed_.wait(lock, [this] { return stop_ || (state_ == State::kLost && lent_ == 0); });
-    if (stop_) return;
-    lock.unlock();
+  while (tend_until_lost()) {
     device_->close();
-    lock.lock();
-    if (changed_.wait_until(lock, mono_now() + pause_, [this] { return stop_; })) return;
-    lock.unlock();
-    const bool is_open = try_open();
-    lock.lock();
-    if (is_open)
-      changed_.notify_all();
-    else
-      pause_ = std::min(2 * pause_, options_.longest_pause);
+    // A device that opens but never delivers is not asked ten times a second.
+    if (has_delivered_) backoff_.reset();
+    do {
+      if (is_rung_within(stop_, backoff_.next())) return;
+    } while (!try_open());
+  }
+}
+
+/// \return  true: the camera is lost and all its buffers are back; false: the source is being destroyed
+bool ReopeningSource::tend_until_lost() noexcept {
+  MonoTime ask_at = mono_now();
+  for (;;) {
+    const bool is_lost = state_.load() == State::kLost;
+    if (is_lost && lent_.load() == 0) return true;
+    if (!is_lost && mono_now() >= ask_at) {
+      const auto pause = device_->refresh();
+      ask_at = pause ? mono_now() + *pause : MonoTime::max();
+    }
+    std::array<pollfd, 2> polled{{{stop_.get(), POLLIN, 0}, {changed_.get(), POLLIN, 0}}};
+    poll_until(polled, is_lost ? MonoTime::max() : ask_at);
+    if (polled[0].revents != 0) return false;
+    if (polled[1].revents != 0) changed_.answer();
   }
 }
 
@@ -154,8 +164,13 @@ SourceCounters ReopeningSource::counters() const noexcept {
 }
 
 std::string ReopeningSource::description() const {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(texts_mutex_);
   return description_;
+}
+
+std::string ReopeningSource::last_refusal() const {
+  const std::lock_guard lock(texts_mutex_);
+  return refusal_;
 }
 
 }  // namespace ninedot

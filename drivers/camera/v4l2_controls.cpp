@@ -12,8 +12,16 @@
 namespace ninedot {
 namespace {
 
-constexpr std::chrono::microseconds kExposureUnit{100};  // of V4L2_CID_EXPOSURE_ABSOLUTE
+/// Of V4L2_CID_EXPOSURE_ABSOLUTE: "in 100 us units" (kernel documentation, Camera Control Reference).
+constexpr std::chrono::microseconds kExposureUnit{100};
+/// A driver whose list never ends must not hang us.
 constexpr int kMaxControls = 256;
+
+std::optional<int> read_control(VideoKernel& kernel, int fd, std::uint32_t id) noexcept {
+  v4l2_control control{id, 0};
+  if (kernel.ioctl(fd, VIDIOC_G_CTRL, &control) < 0) return std::nullopt;
+  return control.value;
+}
 
 class Controls {
  public:
@@ -32,11 +40,7 @@ class Controls {
     item.index = static_cast<std::uint32_t>(choice);
     return kernel_.ioctl(fd_, VIDIOC_QUERYMENU, &item) >= 0;
   }
-  std::optional<int> read(std::uint32_t id) const {
-    v4l2_control control{id, 0};
-    if (kernel_.ioctl(fd_, VIDIOC_G_CTRL, &control) < 0) return std::nullopt;
-    return control.value;
-  }
+  std::optional<int> read(std::uint32_t id) const { return read_control(kernel_, fd_, id); }
   /// \return  what the driver made of it
   int write(const v4l2_queryctrl& known, int value, const char* what) const {
     v4l2_control control{known.id, value};
@@ -70,9 +74,8 @@ void set_manual_exposure(const Controls& controls, const CameraRequest& request,
     controls.write(*automatic, V4L2_EXPOSURE_MANUAL, "manual exposure");
   const int units = controls.write(
       *exposure, clamp_to(*exposure, std::chrono::duration<double>(request.exposure) / kExposureUnit), "exposure");
-  applied.exposure = units * kExposureUnit;
   const double asked_us = std::chrono::duration<double, std::micro>(request.exposure).count();
-  const double got_us = std::chrono::duration<double, std::micro>(applied.exposure).count();
+  const double got_us = std::chrono::duration<double, std::micro>(units * kExposureUnit).count();
   add(applied.description,
       fmt::format("exposure {:g} us{}", got_us, got_us == asked_us ? "" : fmt::format(" (asked {:g})", asked_us)));
 }
@@ -86,7 +89,6 @@ void set_automatic_exposure(const Controls& controls, AppliedControls& applied) 
       controls.write(*automatic, choice, "automatic exposure");
       break;
     }
-  if (const auto units = controls.read(V4L2_CID_EXPOSURE_ABSOLUTE)) applied.exposure = *units * kExposureUnit;
   add(applied.description, "exposure automatic");
 }
 
@@ -132,7 +134,15 @@ AppliedControls apply_controls(VideoKernel& kernel, int fd, const CameraRequest&
   else
     set_automatic_exposure(controls, applied);
   set_gain(controls, request, applied);
+  applied.now = read_live_controls(kernel, fd);
   return applied;
+}
+
+LiveControls read_live_controls(VideoKernel& kernel, int fd) noexcept {
+  LiveControls now;
+  if (const auto units = read_control(kernel, fd, V4L2_CID_EXPOSURE_ABSOLUTE)) now.exposure = *units * kExposureUnit;
+  if (const auto steps = read_control(kernel, fd, V4L2_CID_ZOOM_ABSOLUTE)) now.zoom = *steps;
+  return now;
 }
 
 std::vector<std::string> describe_controls(VideoKernel& kernel, int fd) {

@@ -74,7 +74,7 @@ void V4l2Device::open() {
     agree_on_format();
     agree_on_rate();
     const AppliedControls controls = apply_controls(kernel_, fd_, request_);
-    timing_ = {controls.exposure, request_.readout};
+    note(controls.now);
     map_buffers();
     start_streaming();
     description_ = fmt::format("{} {}x{}, {:.4g} Hz{}{}", format_->name, request_.width_px, request_.height_px,
@@ -263,8 +263,9 @@ Result<V4l2Device::Taken> V4l2Device::take() noexcept {
                                  ? 1
                                  : stride_bytes_ * static_cast<std::size_t>(request_.height_px - 1) +
                                        row_bytes(format_->layout, request_.width_px);
+  const ShutterTiming timing = this->timing();
   Taken taken{buffer.index, buffer.sequence, std::min<std::size_t>(buffer.bytesused, mappings_[buffer.index].bytes),
-              exposure_of(buffer, mono_now())};
+              exposure_of(buffer, timing, mono_now()), timing.exposure};
   if ((buffer.flags & V4L2_BUF_FLAG_ERROR) == 0 && taken.bytes >= needed) return taken;
   release(buffer.index);
   ++flagged_;
@@ -272,14 +273,13 @@ Result<V4l2Device::Taken> V4l2Device::take() noexcept {
   return taken;
 }
 
-MonoTime V4l2Device::exposure_of(const v4l2_buffer& buffer, MonoTime now) const noexcept {
+MonoTime V4l2Device::exposure_of(const v4l2_buffer& buffer, const ShutterTiming& timing, MonoTime now) const noexcept {
   const MonoTime stamp(std::chrono::seconds(buffer.timestamp.tv_sec) +
                        std::chrono::microseconds(buffer.timestamp.tv_usec));
   const bool is_monotonic = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
-  if (!is_monotonic || !is_plausible_stamp(stamp, now))
-    return middle_of_exposure(now, StampPoint::kEndOfFrame, timing_);
+  if (!is_monotonic || !is_plausible_stamp(stamp, now)) return middle_of_exposure(now, StampPoint::kEndOfFrame, timing);
   const bool is_start = (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
-  return middle_of_exposure(stamp, is_start ? StampPoint::kStartOfExposure : StampPoint::kEndOfFrame, timing_);
+  return middle_of_exposure(stamp, is_start ? StampPoint::kStartOfExposure : StampPoint::kEndOfFrame, timing);
 }
 
 Result<GrabbedFrame> V4l2Device::as_luma(const Taken& taken) noexcept {
@@ -287,7 +287,9 @@ Result<GrabbedFrame> V4l2Device::as_luma(const Taken& taken) noexcept {
   Frame& frame = grabbed.frame;
   grabbed.buffer = taken.buffer;
   grabbed.sequence = taken.sequence;
-  frame.set_exposure(taken.exposed_at, timing_.exposure);
+  frame.set_exposure(taken.exposed_at, taken.exposure);
+  frame.row_time = request_.row_time;
+  frame.zoom = zoom_.load(std::memory_order_relaxed);
   const auto* const pixels = static_cast<const std::uint8_t*>(mappings_[taken.buffer].memory);
   const int width = request_.width_px, height = request_.height_px;
   frame.luma = {pixels, width, height, static_cast<std::ptrdiff_t>(stride_bytes_)};
@@ -308,6 +310,23 @@ Result<GrabbedFrame> V4l2Device::as_luma(const Taken& taken) noexcept {
   grabbed.skipped = std::exchange(skipped_, 0);
   grabbed.flagged = std::exchange(flagged_, 0);
   return grabbed;
+}
+
+void V4l2Device::note(const LiveControls& now) noexcept {
+  exposure_ns_.store(now.exposure.count(), std::memory_order_relaxed);
+  zoom_.store(now.zoom, std::memory_order_relaxed);
+}
+
+std::optional<std::chrono::nanoseconds> V4l2Device::refresh() noexcept {
+  EXPECTS(fd_ >= 0);
+  LiveControls now = read_live_controls(kernel_, fd_);
+  // A camera that just does not answer keeps what was known.
+  if (now.exposure.count() == 0) now.exposure = timing().exposure;
+  if (std::isnan(now.zoom)) now.zoom = zoom_.load(std::memory_order_relaxed);
+  note(now);
+  const bool is_automatic = request_.exposure.count() == 0 && now.exposure.count() > 0;
+  if (!is_automatic && std::isnan(now.zoom)) return std::nullopt;
+  return kRefreshPause;
 }
 
 void V4l2Device::release(std::uint32_t index) noexcept {

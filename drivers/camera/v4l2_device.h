@@ -4,6 +4,7 @@
 /// GREY, NV12, NV21 and YU12 are lent in the driver's own buffer; other formats become luma in memory of ours, one
 /// picture for each of the driver's buffers. Only the single-planar interface is spoken.
 #include <array>
+#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "drivers/camera/camera_device.h"
 #include "drivers/camera/exposure_stamp.h"
 #include "drivers/camera/pixel_format.h"
+#include "drivers/camera/v4l2_controls.h"
 #include "drivers/camera/video_kernel.h"
 #include "drivers/picture/picture_file.h"
 
@@ -19,7 +21,10 @@ struct v4l2_buffer;
 namespace ninedot {
 
 /// Stamps: the driver's where they are CLOCK_MONOTONIC and plausible, else the instant at which the buffer was taken;
-/// the middle of the exposure follows by middle_of_exposure with the exposure time that the camera read back.
+/// the middle of the exposure follows by middle_of_exposure with the exposure time that the camera read back. V4L2 has
+/// no exposure time of a single frame: an automatic one is as old as the newest `refresh`.
+///
+/// Frame::zoom is the camera's position; gain and focus are unknown, as V4L2's are in units of the driver's own.
 class V4l2Device final : public CameraDevice {
  public:
   /// One with the caller, one ready, two for the driver to fill. A driver may give more or fewer, two at least.
@@ -36,6 +41,12 @@ class V4l2Device final : public CameraDevice {
   std::chrono::nanoseconds frame_period() const noexcept override { return period_; }
   Result<GrabbedFrame> grab(MonoTime deadline) noexcept override;
   void release(std::uint32_t buffer) noexcept override;
+  /// Reads exposure and zoom anew, every kRefreshPause where they may change: not where the exposure is manual and
+  /// there is no zoom.
+  std::optional<std::chrono::nanoseconds> refresh() noexcept override;
+
+  /// At most so far behind the light, for four questions a second on the camera's bus.
+  static constexpr std::chrono::milliseconds kRefreshPause{250};
 
  private:
   static constexpr std::uint32_t kMaxBuffers = 32;  // VIDEO_MAX_FRAME
@@ -46,6 +57,7 @@ class V4l2Device final : public CameraDevice {
     std::uint32_t sequence = 0;
     std::size_t bytes = 0;
     MonoTime exposed_at{};
+    std::chrono::nanoseconds exposure{};
   };
 
   void open_node();
@@ -58,7 +70,7 @@ class V4l2Device final : public CameraDevice {
 
   Result<Taken> take() noexcept;
   Result<Taken> take_newest() noexcept;
-  MonoTime exposure_of(const v4l2_buffer& buffer, MonoTime now) const noexcept;
+  MonoTime exposure_of(const v4l2_buffer& buffer, const ShutterTiming& timing, MonoTime now) const noexcept;
   Result<GrabbedFrame> as_luma(const Taken& taken) noexcept;
 
   const CameraRequest request_;
@@ -67,7 +79,13 @@ class V4l2Device final : public CameraDevice {
   bool is_streaming_ = false;
   std::string description_;
   std::chrono::nanoseconds period_{};
-  ShutterTiming timing_;
+  ShutterTiming timing() const noexcept {
+    return {std::chrono::nanoseconds(exposure_ns_.load(std::memory_order_relaxed)), request_.readout};
+  }
+  void note(const LiveControls& now) noexcept;
+  // Written by the thread that opens and refreshes, read by `grab`.
+  std::atomic<std::int64_t> exposure_ns_{0};
+  std::atomic<double> zoom_{};
 
   const PixelFormat* format_ = nullptr;
   std::size_t stride_bytes_ = 0;

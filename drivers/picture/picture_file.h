@@ -1,8 +1,8 @@
 #pragma once
 /// Picture files: PNG, PNM (PGM and PPM) and JPEG into memory that the caller owns, and PNG out again.
 ///
-/// Luma of a colour picture: ITU-R BT.601, Y = 0.299 R + 0.587 G + 0.114 B, rounded; JPEG stores that very Y, which is
-/// taken as it is. Alpha is ignored. No gamma correction: the grey levels are the file's own.
+/// Luma and chroma of a colour picture: ITU-R BT.601 with the full range of levels (ycbcr.h); JPEG stores these very Y,
+/// Cb and Cr, which are taken as they are. Alpha is ignored. No gamma correction: the grey levels are the file's own.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -11,27 +11,25 @@
 #include <vector>
 
 #include "base/result.h"
+#include "drivers/picture/ycbcr.h"
+#include "image/chroma_view.h"
 #include "image/image_view.h"
 
 namespace ninedot {
 
-/// Wider or higher pictures are refused: a damaged header must not ask for gigabytes.
+/// Wider or higher pictures are refused: a damaged header must not ask for gigabytes. The largest sensors for such
+/// boards have half of that (IMX477: 4056 px, its data sheet).
 inline constexpr int kMaxPictureSide_px = 8192;
 
 struct PictureSize {
   int width_px = 0;
   int height_px = 0;
 
-  std::size_t pixel_count() const noexcept {
+  constexpr std::size_t pixel_count() const noexcept {
     return static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
   }
   friend bool operator==(const PictureSize&, const PictureSize&) = default;
 };
-
-/// BT.601 luma with 16-bit fixed-point weights that sum to one: white stays 255, rounded to nearest.
-constexpr std::uint8_t luma_from_rgb(std::uint8_t r, std::uint8_t g, std::uint8_t b) noexcept {
-  return static_cast<std::uint8_t>((19595U * r + 38470U * g + 7471U * b + 32768U) >> 16U);
-}
 
 /// Decodes one picture after the other.
 /// Memory: the constructor allocates what is ours; libpng and libturbojpeg allocate inside their calls, so a thread
@@ -51,10 +49,18 @@ class PictureDecoder {
   Result<PictureSize> decode(std::span<const std::uint8_t> file, std::span<std::uint8_t> luma,
                              std::span<std::uint8_t> rgb = {}) noexcept;
 
+  /// The same luma, and the colour beside it: at every pixel of a PNG or PPM, at as many as a JPEG has it.
+  /// \param chroma  2 * size.pixel_count() bytes (contract), where the view looks
+  /// \return  empty: the picture is grey
+  Result<ChromaView> decode_with_chroma(std::span<const std::uint8_t> file, std::span<std::uint8_t> luma,
+                                        std::span<std::uint8_t> chroma) noexcept;
+
  private:
+  void recover_jpeg() noexcept;
+
   PictureSize size_;
-  std::unique_ptr<std::uint8_t[]> scratch_rgb_;
-  void* jpeg_ = nullptr;  ///< tjhandle, a void* in turbojpeg.h as well
+  std::unique_ptr<std::uint8_t[]> scratch_;  ///< R, G, B of a picture, or a padded plane of luma
+  void* jpeg_ = nullptr;                     ///< tjhandle, a void* in turbojpeg.h as well
 };
 
 /// Size from the header alone.
@@ -69,7 +75,7 @@ Result<std::size_t> encode_png_grey(const ImageView& luma, std::vector<std::uint
 Result<std::size_t> encode_png_rgb(std::span<const std::uint8_t> rgb, PictureSize size,
                                    std::vector<std::uint8_t>& file);
 
-/// Writes an overlay: temporary name, then renamed. \error kIo with errno.
+/// Writes an overlay (write_whole_file, Durability::kWhenConvenient). \error kIo with errno.
 Result<std::size_t> write_png_rgb(const std::string& path, std::span<const std::uint8_t> rgb, PictureSize size);
 /// The same for 8-bit grey.
 Result<std::size_t> write_png_grey(const std::string& path, const ImageView& luma);

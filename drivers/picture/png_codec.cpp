@@ -39,7 +39,6 @@ struct DecodeJob {
   PictureSize size;
   std::uint8_t* luma;
   std::uint8_t* rgb;  ///< where colour goes when the file has it
-  bool want_rgb;
   bool is_colour = false;
   Error error{Errc::kFrameUnreadable, 0, "the PNG picture is truncated or damaged"};
 };
@@ -136,23 +135,15 @@ Result<PictureSize> read_png_size(std::span<const std::uint8_t> file) noexcept {
   return PictureSize{static_cast<int>(width), static_cast<int>(height)};
 }
 
-Result<PictureSize> decode_png(std::span<const std::uint8_t> file, PictureSize size, std::span<std::uint8_t> luma,
-                               std::span<std::uint8_t> rgb, std::uint8_t* scratch_rgb) noexcept {
+Result<bool> decode_png(std::span<const std::uint8_t> file, PictureSize size, std::span<std::uint8_t> luma,
+                        std::span<std::uint8_t> rgb) noexcept {
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);
   png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
-  DecodeJob job{Input{file.data(), file.size()}, size, luma.data(), rgb.empty() ? scratch_rgb : rgb.data(),
-                !rgb.empty()};
+  DecodeJob job{Input{file.data(), file.size()}, size, luma.data(), rgb.data()};
   const bool decoded = info != nullptr && decode_rows(png, info, job);
   png_destroy_read_struct(&png, &info, nullptr);
   if (!decoded) return tl::unexpected<Error>(job.error);
-
-  if (job.is_colour) {
-    for (std::size_t i = 0; i < size.pixel_count(); ++i)
-      luma[i] = luma_from_rgb(job.rgb[3 * i], job.rgb[3 * i + 1], job.rgb[3 * i + 2]);
-  } else if (job.want_rgb) {
-    for (std::size_t i = 0; i < size.pixel_count(); ++i) rgb[3 * i] = rgb[3 * i + 1] = rgb[3 * i + 2] = luma[i];
-  }
-  return size;
+  return job.is_colour;
 }
 
 Result<std::size_t> encode_png(const std::uint8_t* pixels, std::ptrdiff_t stride_bytes, PictureSize size, int channels,

@@ -53,8 +53,8 @@ Result<PnmHeader> read_pnm_header(std::span<const std::uint8_t> file) noexcept {
   return header;
 }
 
-Result<PictureSize> decode_pnm(std::span<const std::uint8_t> file, PictureSize size, std::span<std::uint8_t> luma,
-                               std::span<std::uint8_t> rgb) noexcept {
+Result<bool> decode_pnm(std::span<const std::uint8_t> file, PictureSize size, std::span<std::uint8_t> luma,
+                        std::span<std::uint8_t> rgb) noexcept {
   const Result<PnmHeader> header = read_pnm_header(file);
   if (!header) return tl::unexpected<Error>(header.error());
   if (header->size != size) return fail(Errc::kFrameSize, "the picture's size is not the camera's");
@@ -64,16 +64,8 @@ Result<PictureSize> decode_pnm(std::span<const std::uint8_t> file, PictureSize s
     return fail(Errc::kFrameUnreadable, "the PGM or PPM picture is truncated");
 
   const std::uint8_t* const samples = file.data() + header->pixels_at;
-  if (channels == 1) {
-    std::memcpy(luma.data(), samples, count);
-    if (!rgb.empty())
-      for (std::size_t i = 0; i < count; ++i) rgb[3 * i] = rgb[3 * i + 1] = rgb[3 * i + 2] = samples[i];
-  } else {
-    for (std::size_t i = 0; i < count; ++i)
-      luma[i] = luma_from_rgb(samples[3 * i], samples[3 * i + 1], samples[3 * i + 2]);
-    if (!rgb.empty()) std::memcpy(rgb.data(), samples, 3 * count);
-  }
-  return size;
+  std::memcpy(channels == 1 ? luma.data() : rgb.data(), samples, count * channels);
+  return channels == 3;
 }
 
 }  // namespace ninedot

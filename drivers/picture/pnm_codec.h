@@ -17,7 +17,9 @@ struct PnmHeader {
 /// \error kFrameUnreadable
 Result<PnmHeader> read_pnm_header(std::span<const std::uint8_t> file) noexcept;
 
-Result<PictureSize> decode_pnm(std::span<const std::uint8_t> file, PictureSize size, std::span<std::uint8_t> luma,
-                               std::span<std::uint8_t> rgb) noexcept;
+/// Into `luma` where the picture is grey, else into `rgb`. \return  whether it has colour
+/// \param luma  size.pixel_count() bytes \param rgb  three times that (contract)
+Result<bool> decode_pnm(std::span<const std::uint8_t> file, PictureSize size, std::span<std::uint8_t> luma,
+                        std::span<std::uint8_t> rgb) noexcept;
 
 }  // namespace ninedot

@@ -1,11 +1,10 @@
 #include "drivers/posix/output_file.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <cstring>
+#include <span>
 #include <utility>
 
 #include "base/startup_error.h"
@@ -13,47 +12,40 @@
 namespace ninedot {
 namespace {
 
-bool is_special(const std::string& path) {
-  struct stat status {};
-  return stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
-}
+/// What a pipe holds (pipe(7)): one system call for many rows.
+constexpr std::size_t kPiece_bytes = std::size_t{64} * 1024;
 
 }  // namespace
 
+template <typename T>
+T OutputFile::need(Result<T> result) const {
+  if (!result)
+    throw StartupError(ExitStatus::kWorkFailed,
+                       fmt::format("{} {}: {}", path_, result.error().text, std::strerror(result.error().os_errno)));
+  return *std::move(result);
+}
+
 OutputFile::OutputFile(const std::string& path) : path_(path) {
-  if (path.empty() || path == "-") {
+  if (path.empty() || path == "-")
     path_ = "standard output";
-    file_ = stdout;
-    return;
-  }
-  if (!is_special(path)) temporary_path_ = path + ".tmp";
-  file_ = std::fopen(temporary_path_.empty() ? path.c_str() : temporary_path_.c_str(), "we");
-  if (file_ == nullptr) {
-    temporary_path_.clear();
-    fail("cannot be written");
-  }
-}
-
-OutputFile::~OutputFile() {
-  if (file_ != nullptr && file_ != stdout) std::fclose(file_);
-  if (!temporary_path_.empty()) unlink(temporary_path_.c_str());
-}
-
-void OutputFile::fail(const char* what) const {
-  throw StartupError(ExitStatus::kWorkFailed, fmt::format("{} {}: {}", path_, what, std::strerror(errno)));
+  else
+    file_.emplace(need(FileReplacement::begin(path)));
 }
 
 void OutputFile::write(std::string_view text) {
-  if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail("cannot be written");
+  pending_ += text;
+  if (pending_.size() >= kPiece_bytes) flush();
+}
+
+void OutputFile::flush() {
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(pending_.data()), pending_.size());
+  need(file_ ? file_->write(bytes) : write_all(STDOUT_FILENO, bytes, write_to_disk));
+  pending_.clear();
 }
 
 void OutputFile::finish() {
-  if (std::fflush(file_) != 0) fail("cannot be written");
-  if (file_ == stdout) return;
-  if (std::fclose(std::exchange(file_, nullptr)) != 0) fail("cannot be written");
-  if (temporary_path_.empty()) return;
-  if (std::rename(temporary_path_.c_str(), path_.c_str()) != 0) fail("cannot be replaced");
-  temporary_path_.clear();
+  flush();
+  if (file_) need(file_->commit(Durability::kPowerCut));
 }
 
 }  // namespace ninedot

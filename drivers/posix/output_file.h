@@ -1,31 +1,33 @@
 #pragma once
-/// A result file that is there whole or not at all.
-#include <cstdio>
+/// A result file that is written piece by piece and is there whole or not at all.
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "drivers/posix/whole_file.h"
+
 namespace ninedot {
 
-/// Writes PATH.tmp beside the wanted file and renames it at `finish`; without `finish` nothing is left behind. Standard
-/// output (empty path or "-") and things that are no regular files (/dev/null, a fifo) are written directly.
+/// A FileReplacement for text in pieces, made safe against a power cut at `finish`; without `finish` nothing is left
+/// behind. Standard output (empty path or "-") is written directly, as are things that are no regular files.
 /// Throws StartupError(kWorkFailed) with one line: the file can't be made, the disk is full.
 /// Memory: allocates. Threads: one at a time; everything may wait for the disk.
 class OutputFile {
  public:
   explicit OutputFile(const std::string& path);
-  ~OutputFile();
-  OutputFile(const OutputFile&) = delete;
-  OutputFile& operator=(const OutputFile&) = delete;
 
   void write(std::string_view text);
   void finish();
 
  private:
-  [[noreturn]] void fail(const char* what) const;
+  void flush();
+  /// \return  what it holds, or throws what it says
+  template <typename T>
+  T need(Result<T> result) const;
 
   std::string path_;
-  std::string temporary_path_;  // empty: written directly
-  std::FILE* file_ = nullptr;
+  std::optional<FileReplacement> file_;  // none: standard output
+  std::string pending_;                  // not yet written
 };
 
 }  // namespace ninedot

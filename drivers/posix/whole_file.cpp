@@ -1,12 +1,33 @@
 #include "drivers/posix/whole_file.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
+#include <utility>
 
 namespace ninedot {
+namespace {
+
+/// A device or a fifo: it can't be replaced, only written. A folder is neither; the rename refuses it.
+bool is_special(const std::string& path) noexcept {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+}
+
+/// Without this the rename itself may be lost. \return  0 or an errno
+int sync_folder_of(const std::string& path) noexcept {
+  const std::size_t end = path.rfind('/');
+  const std::string folder = end == std::string::npos ? "." : path.substr(0, end + 1);
+  const FileDescriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  // Some network file systems know no such thing (EINVAL); they have the file where we can do no more for it.
+  if (!descriptor || ::fsync(descriptor.get()) == 0 || errno == EINVAL) return 0;
+  return errno;
+}
+
+}  // namespace
 
 ssize_t write_to_disk(int descriptor, const void* bytes, std::size_t count) noexcept {
   return ::write(descriptor, bytes, count);
@@ -44,17 +65,44 @@ Result<std::size_t> write_all(int descriptor, std::span<const std::uint8_t> byte
   return done;
 }
 
-Result<std::size_t> write_whole_file(const std::string& path, std::span<const std::uint8_t> bytes,
-                                     WriteFunction write_bytes) {
-  const std::string temporary = path + ".tmp";
-  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (descriptor < 0) return fail(Errc::kIo, "cannot be created", errno);
-  Result<std::size_t> written = write_all(descriptor, bytes, write_bytes);
+Result<FileReplacement> FileReplacement::begin(const std::string& path) {
+  FileReplacement file;
+  file.path_ = path;
+  const bool is_direct = is_special(path);
+  std::string temporary = is_direct ? std::string() : path + ".tmp";
+  file.file_ =
+      FileDescriptor(::open((is_direct ? path : temporary).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  if (!file.file_) return fail(Errc::kIo, "cannot be created", errno);
+  file.temporary_ = std::move(temporary);
+  return file;
+}
+
+FileReplacement::~FileReplacement() {
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+Result<std::size_t> FileReplacement::write(std::span<const std::uint8_t> bytes, WriteFunction write_bytes) noexcept {
+  return write_all(file_.get(), bytes, write_bytes);
+}
+
+Result<std::size_t> FileReplacement::commit(Durability durability) noexcept {
+  const bool is_synced = durability == Durability::kPowerCut && !temporary_.empty();
+  if (is_synced && ::fsync(file_.get()) != 0) return fail(Errc::kIo, "cannot be written", errno);
   // Network file systems report a full disk as late as here.
-  if (::close(descriptor) != 0 && written) written = fail(Errc::kIo, "cannot be written", errno);
-  if (written && std::rename(temporary.c_str(), path.c_str()) != 0)
-    written = fail(Errc::kIo, "cannot be renamed", errno);
-  if (!written) ::unlink(temporary.c_str());
+  if (::close(file_.let_go()) != 0) return fail(Errc::kIo, "cannot be written", errno);
+  if (temporary_.empty()) return 0;
+  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) return fail(Errc::kIo, "cannot be renamed", errno);
+  temporary_.clear();
+  if (const int error = is_synced ? sync_folder_of(path_) : 0; error != 0)
+    return fail(Errc::kIo, "is written, but a power cut may undo it", error);
+  return 0;
+}
+
+Result<std::size_t> write_whole_file(const std::string& path, std::span<const std::uint8_t> bytes,
+                                     Durability durability, WriteFunction write_bytes) {
+  NINEDOT_TRY(FileReplacement file, FileReplacement::begin(path));
+  NINEDOT_TRY(const std::size_t written, file.write(bytes, write_bytes));
+  NINEDOT_TRY([[maybe_unused]] const std::size_t nothing, file.commit(durability));
   return written;
 }
 

@@ -1,14 +1,16 @@
 #pragma once
-/// Whole files in and out: reading into memory that the caller owns, and writing so that no reader ever sees half a
-/// file.
+/// Files that are there whole or not at all: read into memory that the caller owns, and replaced so that no reader ever
+/// sees half of one.
 #include <sys/types.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "base/result.h"
+#include "drivers/posix/file_descriptor.h"
 
 namespace ninedot {
 
@@ -23,16 +25,48 @@ ssize_t write_to_disk(int descriptor, const void* bytes, std::size_t count) noex
 /// Memory: none. Threads: any; waits for the disk.
 Result<std::size_t> read_whole_file(const char* path, std::span<std::uint8_t> buffer) noexcept;
 
-/// Writes PATH.tmp and renames it to PATH; on failure PATH is as it was and PATH.tmp is gone.
-/// Does not wait for the disk (fsync): for recordings, where losing the last second to a power cut is acceptable.
-/// \return the number of bytes written.
-/// \error kIo with errno (ENOSPC: the disk is full).
-/// Memory: allocates the temporary name. Threads: any, for different paths; may wait for the disk.
-Result<std::size_t> write_whole_file(const std::string& path, std::span<const std::uint8_t> bytes,
-                                     WriteFunction write_bytes = write_to_disk);
-
 /// All of `bytes` to an open descriptor. \return the number of bytes written. \error kIo with errno
 /// Memory: none. Threads: any, one per descriptor; may wait for the disk.
 Result<std::size_t> write_all(int descriptor, std::span<const std::uint8_t> bytes, WriteFunction write_bytes) noexcept;
+
+/// Whether a file has to outlast a power cut right after it was written.
+enum class Durability {
+  /// The disk has it before anybody sees it: fsync of the file, then of the folder after the rename. For what a person
+  /// would have to do again: settings, calibrations, maps, the sheet to print, a table of poses.
+  kPowerCut,
+  /// The kernel writes it when it sees fit (within some 30 s, vm.dirty_expire_centisecs): for the pictures of a
+  /// recording, 35 a second, whose last seconds may be lost, and for overlays, which can be drawn again.
+  kWhenConvenient,
+};
+
+/// PATH.tmp, which becomes PATH at `commit`; without it nothing is left behind and PATH is as it was. Things that are
+/// no regular files (/dev/null, a fifo) are written directly. All errors are kIo with errno (ENOSPC: the disk is full).
+/// Memory: two paths. Threads: one.
+class FileReplacement {
+ public:
+  static Result<FileReplacement> begin(const std::string& path);
+  FileReplacement(FileReplacement&& other) noexcept
+      : file_(std::move(other.file_)),
+        path_(std::move(other.path_)),
+        temporary_(std::exchange(other.temporary_, std::string())) {}
+  FileReplacement& operator=(FileReplacement&&) = delete;
+  ~FileReplacement();
+
+  Result<std::size_t> write(std::span<const std::uint8_t> bytes, WriteFunction write_bytes = write_to_disk) noexcept;
+  /// Once, at the end. \return  nothing worth knowing
+  Result<std::size_t> commit(Durability durability) noexcept;
+
+ private:
+  FileReplacement() = default;
+
+  FileDescriptor file_;
+  std::string path_;
+  std::string temporary_;  // empty: written directly, or committed
+};
+
+/// The three steps at once.
+Result<std::size_t> write_whole_file(const std::string& path, std::span<const std::uint8_t> bytes,
+                                     Durability durability = Durability::kPowerCut,
+                                     WriteFunction write_bytes = write_to_disk);
 
 }  // namespace ninedot

@@ -22,7 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Without frames.csv a gap in the numbers stands for missing pictures, but not for more of them than this.
+/// Without frames.csv a gap in the numbers stands for missing pictures, but not for more of them than this: five
+/// minutes at kUntimedRate_hz.
 constexpr std::uint64_t kMaxMissing = 10'000;
 /// Longer ones are a clock that jumped; the limit also keeps the times of endless loops within 64 bits.
 constexpr std::chrono::nanoseconds kMaxDuration = std::chrono::hours(24 * 366);
@@ -142,6 +143,7 @@ void read_y4m(RecordingIndex& index) {
   const Result<Y4mHeader> header = parse_y4m_header(read_at(0));
   if (!header) refuse(fmt::format("{}: {}", index.path, header.error().text));
   index.size = header->size;
+  index.y4m_chroma_size = header->chroma_size;
   const double rate_hz = header->rate_hz > 0 ? header->rate_hz : kUntimedRate_hz;
   const auto file_bytes = static_cast<std::int64_t>(fs::file_size(index.path));
   for (auto at = static_cast<std::int64_t>(header->header_bytes); at < file_bytes;) {

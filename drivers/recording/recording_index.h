@@ -9,7 +9,7 @@
 
 namespace ninedot {
 
-/// Frames per second of a recording that carries no times.
+/// Frames per second of a recording that carries no times: the default of camera.rate_hz.
 inline constexpr double kUntimedRate_hz = 35;
 
 struct RecordedFrame {
@@ -24,6 +24,7 @@ struct RecordingIndex {
   std::string path;  ///< of the folder or the .y4m file
   bool is_y4m = false;
   PictureSize size;                    ///< of the first picture whose header can be read
+  PictureSize y4m_chroma_size;         ///< of each colour plane in a .y4m file; 0 x 0: it has none
   std::size_t largest_file_bytes = 0;  ///< of the pictures; 0 with .y4m
   std::vector<RecordedFrame> frames;   ///< at least one; numbers and times grow
 };

@@ -19,15 +19,21 @@ class RecordingReader {
   RecordingReader& operator=(const RecordingReader&) = delete;
 
   /// \param luma  size.pixel_count() bytes (contract); undefined after a failure
+  /// \param chroma  twice that (contract): where the colour goes
+  /// \return  the colour; empty: the picture has none
   /// \error kFrameUnreadable: missing, truncated or damaged. kFrameSize: of another size.
-  Result<PictureSize> read(const RecordedFrame& frame, std::span<std::uint8_t> luma) noexcept;
+  Result<ChromaView> read(const RecordedFrame& frame, std::span<std::uint8_t> luma,
+                          std::span<std::uint8_t> chroma) noexcept;
 
  private:
-  Result<PictureSize> read_picture(const RecordedFrame& frame, std::span<std::uint8_t> luma) noexcept;
-  Result<PictureSize> read_y4m(const RecordedFrame& frame, std::span<std::uint8_t> luma) noexcept;
+  Result<ChromaView> read_picture(const RecordedFrame& frame, std::span<std::uint8_t> luma,
+                                  std::span<std::uint8_t> chroma) noexcept;
+  Result<ChromaView> read_y4m(const RecordedFrame& frame, std::span<std::uint8_t> luma,
+                              std::span<std::uint8_t> chroma) noexcept;
+  Result<std::size_t> read_y4m_bytes(std::int64_t offset_bytes, std::span<std::uint8_t> to) noexcept;
 
   PictureSize size_;
-  PictureSize y4m_size_;
+  PictureSize y4m_size_, y4m_chroma_size_;
   PictureDecoder decoder_;
   std::vector<std::uint8_t> file_;
   int y4m_ = -1;  ///< descriptor of the .y4m file

@@ -1,10 +1,12 @@
-// One thread decodes; `next` takes from a short queue. With kEveryFrame the queue holds decoded frames in order and the
-// decoder waits for room. With kRealTime it holds one: the decoder works ahead, sleeps until the frame's turn and
-// replaces what nobody took.
+// One thread decodes. With kEveryFrame it puts the frames into a queue, in order, and waits for a free buffer. With
+// kRealTime it works ahead, sleeps until the frame's turn and replaces what nobody took. Buffers go round through
+// atomics, and both sides sleep on bells: nobody holds a lock.
 #include "drivers/recording/recording_source.h"
 
 #include <pthread.h>
 
+#include <algorithm>
+#include <bit>
 #include <csignal>
 #include <cstdio>
 #include <utility>
@@ -17,13 +19,9 @@ RecordingSource::RecordingSource(const std::string& path, const RecordingOptions
       size_(options.size == PictureSize{} ? index_.size : options.size),
       reader_(index_, size_) {
   set_times();
-  const std::size_t whole_bytes = size_.pixel_count() * index_.frames.size();
-  if (options_.loop && whole_bytes <= options_.preload_bytes) {
-    preload();
-  } else {
-    store_ = std::make_unique<std::uint8_t[]>(size_.pixel_count() * kBufferCount);
-    for (std::uint32_t buffer = 0; buffer < kBufferCount; ++buffer) free_[free_count_++] = buffer;
-  }
+  if (!preload())
+    for (Buffer& buffer : buffers_)
+      buffer.own.bytes = std::make_unique_for_overwrite<std::uint8_t[]>(3 * size_.pixel_count());
   // Signals are for the main thread, which waits for them.
   sigset_t all, before;
   sigfillset(&all);
@@ -34,51 +32,64 @@ RecordingSource::RecordingSource(const std::string& path, const RecordingOptions
 }
 
 RecordingSource::~RecordingSource() {
-  {
-    const std::lock_guard lock(mutex_);
-    stop_ = true;
-  }
-  changed_.notify_all();
+  stop_.store(true);
+  changed_.ring();
   decoder_.join();
 }
 
 Result<FrameLease> RecordingSource::next(MonoTime deadline) noexcept {
-  std::unique_lock lock(mutex_);
-  if (!started_at_) {
-    started_at_ = mono_now();
-    changed_.notify_all();
+  if (!started_at()) {
+    started_at_ns_.store(to_ns(mono_now()), std::memory_order_release);
+    changed_.ring();
   }
-  if (!changed_.wait_until(lock, deadline, [this] { return ready_count_ > 0 || finished_; }))
-    return fail(Errc::kNoFrame, "no frame in time");
-  if (ready_count_ == 0) return fail(Errc::kEndOfStream, "the recording is over");
-  const ReadyFrame ready = ready_[ready_begin_];
-  ready_begin_ = (ready_begin_ + 1) % kBufferCount;
-  --ready_count_;
-  lock.unlock();
-  changed_.notify_all();
+  for (bool is_in_time = true;; is_in_time = ready_.wait_until(deadline)) {
+    // Before the look for a frame: what came before the end is there then.
+    const bool is_over = finished_.load(std::memory_order_acquire);
+    if (const auto taken = take_ready()) return lend(*taken);
+    if (is_over) return fail(Errc::kEndOfStream, "the recording is over");
+    if (!is_in_time) return fail(Errc::kNoFrame, "no frame in time");
+  }
+}
 
-  if (ready.pixels == nullptr) {
+std::optional<NewestWins::Taken> RecordingSource::take_ready() noexcept {
+  if (is_real_time()) return newest_.take();
+  if (queued_.load(std::memory_order_acquire) == unqueued_) return std::nullopt;
+  return NewestWins::Taken{queue_[unqueued_++ % kBufferCount], {}};
+}
+
+Result<FrameLease> RecordingSource::lend(const NewestWins::Taken& taken) noexcept {
+  const Buffer& ready = buffers_[taken.buffer];
+  const Picture& picture = *ready.picture;
+  if (!picture.chroma) {
     std::snprintf(last_failure_.data(), last_failure_.size(), "%s: frame %llu: %s",
                   ready.frame->file.empty() ? index_.path.c_str() : ready.frame->file.c_str(),
-                  static_cast<unsigned long long>(ready.frame->number), ready.error.text);
-    return tl::unexpected<Error>(ready.error);
+                  static_cast<unsigned long long>(ready.frame->number), picture.chroma.error().text);
+    const Error error = picture.chroma.error();
+    give_back(taken.buffer);
+    return tl::unexpected<Error>(error);
   }
-  FrameLease lease(ready.buffer == kNoBuffer ? nullptr : this, ready.buffer);
-  lease.frame.luma = ImageView{ready.pixels, size_.width_px, size_.height_px, size_.width_px};
+  const bool is_preloaded = !preloaded_.empty();
+  FrameLease lease(is_preloaded ? nullptr : this, taken.buffer);
+  lease.frame.luma = ImageView{picture.bytes.get(), size_.width_px, size_.height_px, size_.width_px};
+  lease.frame.chroma = *picture.chroma;
   lease.frame.number = ready.number;
   lease.frame.set_exposure(ready.exposed_at);
   lease.frame.head = HeadAngles{ready.frame->pan_rad, ready.frame->tilt_rad};
   lease.frame.head_at = ready.exposed_at;
-  lease.dropped_before = ready.dropped_before;
+  lease.dropped_before = taken.unseen.skipped;
+  if (is_preloaded) give_back(taken.buffer);
   return lease;
 }
 
 void RecordingSource::give_back(std::uint32_t buffer) noexcept {
-  {
-    const std::lock_guard lock(mutex_);
-    free_[free_count_++] = buffer;
-  }
-  changed_.notify_all();
+  free_.fetch_or(1U << buffer, std::memory_order_release);
+  changed_.ring();
+}
+
+std::optional<MonoTime> RecordingSource::started_at() const noexcept {
+  const std::int64_t ns = started_at_ns_.load(std::memory_order_acquire);
+  if (ns == kNotStarted_ns) return std::nullopt;
+  return MonoTime(std::chrono::nanoseconds(ns));
 }
 
 void RecordingSource::set_times() {
@@ -99,11 +110,34 @@ std::chrono::nanoseconds RecordingSource::time_of(std::size_t i, std::uint64_t p
   return times_[i] + static_cast<std::int64_t>(pass) * pass_duration_;
 }
 
-void RecordingSource::preload() {
-  store_ = std::make_unique<std::uint8_t[]>(size_.pixel_count() * index_.frames.size());
-  for (std::size_t i = 0; i < index_.frames.size(); ++i)
-    preloaded_.push_back(
-        reader_.read(index_.frames[i], std::span(store_.get() + i * size_.pixel_count(), size_.pixel_count())));
+Result<ChromaView> RecordingSource::decode(std::size_t i, std::uint8_t* bytes) noexcept {
+  const std::size_t luma_bytes = size_.pixel_count();
+  return reader_.read(index_.frames[i], std::span(bytes, luma_bytes), std::span(bytes + luma_bytes, 2 * luma_bytes));
+}
+
+/// \return  false: not asked for, or the pictures do not fit; then nothing is kept
+bool RecordingSource::preload() {
+  const std::size_t luma_bytes = size_.pixel_count();
+  if (!options_.loop || luma_bytes * index_.frames.size() > options_.preload_bytes) return false;
+  std::size_t whole_bytes = 0;
+  auto whole = std::make_unique_for_overwrite<std::uint8_t[]>(3 * luma_bytes);
+  for (std::size_t i = 0; i < index_.frames.size(); ++i) {
+    Picture picture{nullptr, decode(i, whole.get())};
+    const bool is_grey = !picture.chroma || picture.chroma->empty();
+    whole_bytes += is_grey ? luma_bytes : 3 * luma_bytes;
+    if (whole_bytes > options_.preload_bytes) {
+      preloaded_.clear();
+      return false;
+    }
+    if (is_grey) {
+      picture.bytes = std::make_unique_for_overwrite<std::uint8_t[]>(luma_bytes);
+      std::copy_n(whole.get(), luma_bytes, picture.bytes.get());
+    } else {
+      picture.bytes = std::exchange(whole, std::make_unique_for_overwrite<std::uint8_t[]>(3 * luma_bytes));
+    }
+    preloaded_.push_back(std::move(picture));
+  }
+  return true;
 }
 
 void RecordingSource::run() noexcept {
@@ -113,88 +147,83 @@ void RecordingSource::run() noexcept {
       if (!produce(i, pass)) return;
     ++pass;
   } while (options_.loop);
-  const std::lock_guard lock(mutex_);
-  finished_ = true;
-  changed_.notify_all();
+  finished_.store(true, std::memory_order_release);
+  ready_.ring();
+}
+
+/// Sleeps until then, or until `is_enough`. \return  false: being destroyed
+template <typename Condition>
+bool RecordingSource::wait_until(MonoTime until, Condition is_enough) noexcept {
+  for (;;) {
+    if (stop_.load()) return false;
+    if (is_enough() || mono_now() >= until) return true;
+    changed_.wait_until(until);
+  }
 }
 
 /// Sleeps until the frame's turn or until `is_enough`; before the first call of `next` there is no turn.
-/// \return false: being destroyed
+/// \return  false: being destroyed
 template <typename Condition>
-bool RecordingSource::wait_for_turn(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds since_start,
-                                    Condition is_enough) noexcept {
-  changed_.wait(lock, [this] { return stop_ || started_at_.has_value(); });
-  if (!stop_) changed_.wait_until(lock, *started_at_ + since_start, [&] { return stop_ || is_enough(); });
-  return !stop_;
+bool RecordingSource::wait_for_turn(std::chrono::nanoseconds since_start, Condition is_enough) noexcept {
+  if (!wait_until(MonoTime::max(), [this] { return started_at().has_value(); })) return false;
+  return wait_until(*started_at() + since_start, is_enough);
 }
 
-/// One frame, from its file into the queue. \return false: the source is being destroyed
+/// One frame, from its file to where `next` finds it. \return  false: the source is being destroyed
 bool RecordingSource::produce(std::size_t i, std::uint64_t pass) noexcept {
-  const bool is_real_time = options_.pace == RecordingPace::kRealTime;
   const std::chrono::nanoseconds since_start = time_of(i, pass) - times_.front();
-  ReadyFrame ready;
-  ready.frame = &index_.frames[i];
-  ready.number = ready.frame->number + pass * (index_.frames.back().number + 1);
-  ready.exposed_at = MonoTime(time_of(i, pass));
-  {
-    std::unique_lock lock(mutex_);
-    if (!is_real_time)
-      changed_.wait(lock, [&] { return stop_ || (ready_count_ < kBufferCount && has_buffer()); });
-    else if (!has_buffer() && !wait_for_turn(lock, since_start, [this] { return has_buffer(); }))
-      return false;
-    if (stop_) return false;
-    const std::chrono::nanoseconds until_next =
-        (i + 1 < times_.size() ? time_of(i + 1, pass) : time_of(0, pass + 1)) - times_.front();
-    const bool is_late = is_real_time && started_at_ && mono_now() > *started_at_ + until_next;
-    const std::optional<std::uint32_t> buffer = is_late ? std::nullopt : take_buffer();
-    if (!buffer) {  // late, or the caller holds every buffer: this frame is lost, as it would be in a camera
-      ++dropped_;
-      return true;
-    }
-    ready.buffer = *buffer;
+  const auto has_room = [this] { return has_free(); };
+  if (!is_real_time()) {
+    if (!wait_until(MonoTime::max(), has_room)) return false;
+  } else if (!has_free() && !wait_for_turn(since_start, has_room)) {
+    return false;
   }
-  fill(ready, i);
-
-  std::unique_lock lock(mutex_);
-  if (is_real_time) {
-    if (!wait_for_turn(lock, since_start, [] { return false; })) return false;
-    ready.exposed_at = *started_at_ + since_start;
-    if (ready_count_ > 0) drop_oldest_ready();
+  if (stop_.load()) return false;
+  const std::chrono::nanoseconds until_next =
+      (i + 1 < times_.size() ? time_of(i + 1, pass) : time_of(0, pass + 1)) - times_.front();
+  const bool is_late = is_real_time() && started_at() && mono_now() > *started_at() + until_next;
+  const std::uint32_t place = is_late ? NewestWins::kNone : take_free();
+  if (place == NewestWins::kNone) {  // late, or the caller holds every buffer: lost, as it would be in a camera
+    ++dropped_;
+    return true;
   }
-  ready.dropped_before = std::exchange(dropped_, 0);
-  if (ready.pixels == nullptr && ready.buffer != kNoBuffer) free_[free_count_++] = ready.buffer;
-  ready_[(ready_begin_ + ready_count_++) % kBufferCount] = ready;
-  lock.unlock();
-  changed_.notify_all();
+  Buffer& buffer = buffers_[place];
+  buffer.frame = &index_.frames[i];
+  buffer.number = buffer.frame->number + pass * (index_.frames.back().number + 1);
+  buffer.exposed_at = MonoTime(time_of(i, pass));
+  if (preloaded_.empty()) buffer.own.chroma = decode(i, buffer.own.bytes.get());
+  buffer.picture = preloaded_.empty() ? &buffer.own : &preloaded_[i];
+  if (is_real_time()) {
+    if (!wait_for_turn(since_start, [] { return false; })) return false;
+    buffer.exposed_at = *started_at() + since_start;
+  }
+  put_ready(place);
   return true;
 }
 
-/// A buffer to decode into, if need be that of a frame that nobody took in time. kNoBuffer when the pictures are
-/// preloaded; nothing when the caller holds them all.
-std::optional<std::uint32_t> RecordingSource::take_buffer() noexcept {
-  if (!preloaded_.empty()) return kNoBuffer;
-  if (free_count_ == 0 && ready_count_ > 0) drop_oldest_ready();
-  if (free_count_ == 0) return std::nullopt;
-  return free_[--free_count_];
+/// A buffer to decode into, if need be that of a frame that nobody took in time. kNone: the caller holds them all.
+std::uint32_t RecordingSource::take_free() noexcept {
+  if (const std::uint32_t free = free_.load(std::memory_order_acquire); free != 0) {
+    const auto buffer = static_cast<std::uint32_t>(std::countr_zero(free));
+    free_.fetch_and(~(1U << buffer), std::memory_order_acq_rel);
+    return buffer;
+  }
+  const auto unseen = newest_.reclaim();
+  if (!unseen) return NewestWins::kNone;
+  dropped_ += unseen->unseen.skipped + 1;
+  return unseen->buffer;
 }
 
-void RecordingSource::drop_oldest_ready() noexcept {
-  const ReadyFrame& oldest = ready_[ready_begin_];
-  if (oldest.pixels != nullptr && oldest.buffer != kNoBuffer) free_[free_count_++] = oldest.buffer;
-  dropped_ += oldest.dropped_before + 1;
-  ready_begin_ = (ready_begin_ + 1) % kBufferCount;
-  --ready_count_;
-}
-
-void RecordingSource::fill(ReadyFrame& ready, std::size_t i) noexcept {
-  const std::size_t place = preloaded_.empty() ? ready.buffer : i;
-  std::uint8_t* const pixels = store_.get() + place * size_.pixel_count();
-  const Result<PictureSize> result =
-      preloaded_.empty() ? reader_.read(*ready.frame, std::span(pixels, size_.pixel_count())) : preloaded_[i];
-  if (result)
-    ready.pixels = pixels;
-  else
-    ready.error = result.error();
+void RecordingSource::put_ready(std::uint32_t buffer) noexcept {
+  if (is_real_time()) {
+    const std::uint32_t older = newest_.put(buffer, {.skipped = std::exchange(dropped_, 0)});
+    if (older != NewestWins::kNone) free_.fetch_or(1U << older, std::memory_order_release);
+  } else {
+    const std::uint32_t place = queued_.load(std::memory_order_relaxed);
+    queue_[place % kBufferCount] = buffer;
+    queued_.store(place + 1, std::memory_order_release);
+  }
+  ready_.ring();
 }
 
 }  // namespace ninedot

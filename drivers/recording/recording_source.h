@@ -1,14 +1,15 @@
 #pragma once
 /// Frames from a recording, as from a camera: a folder (or .y4m file) whose pictures a thread of its own decodes ahead.
 #include <array>
-#include <condition_variable>
+#include <atomic>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "drivers/posix/doorbell.h"
+#include "drivers/posix/newest_wins.h"
 #include "drivers/recording/recording_index.h"
 #include "drivers/recording/recording_reader.h"
 #include "ports/frame_source.h"
@@ -22,21 +23,24 @@ enum class RecordingPace {
 
 struct RecordingOptions {
   RecordingPace pace = RecordingPace::kEveryFrame;
-  double rate_hz = 0;  ///< frames follow each other at this rate; 0 = at their recorded times
+  double rate_hz = 0;  ///< frames per second, whatever their recorded times; 0 = at their recorded times
   bool loop = false;   ///< starts again at the end; frame numbers and times go on growing
   PictureSize
       size{};  ///< what the calibration is for; other pictures fail with kFrameSize. 0 x 0 = the recording's own
-  /// A looped recording whose luma fits into this is decoded once, by the constructor.
+  /// A looped recording whose pictures, luma and colour, fit into this is decoded once, by the constructor. 64 MiB:
+  /// six seconds of grey pictures of 640 x 480 at 35 Hz.
   std::size_t preload_bytes = std::size_t{64} << 20U;
 };
 
-/// FrameLease::exposed_at is, with kEveryFrame, the recorded time; with kRealTime the instant at which the frame's turn
-/// came (the clock starts at the first call of `next`).
+/// Frame::exposed_at() is, with kEveryFrame, the recorded time; with kRealTime the instant at which the frame's turn
+/// came (the clock starts at the first call of `next`). How long the exposure was, gain, focus and zoom are not
+/// recorded.
 ///
 /// A picture that is missing, damaged or of another size takes its place in the sequence as an error; asking again
 /// gives the next frame. Memory: everything of ours is allocated by the constructor; libpng and libturbojpeg allocate
 /// in the decoding thread, never in the caller's. At most kBufferCount - 1 leases may be held at a time without
-/// stopping the decoder. Threads: one caller of `next`; leases may be given back from any thread.
+/// stopping the decoder. Threads: one caller of `next`; leases may be given back from any thread. Neither waits for a
+/// lock: the decoding thread may be kept from running anywhere.
 class RecordingSource final : public FrameSource, private FrameOwner {
  public:
   static constexpr std::size_t kBufferCount = 4;  ///< one with the caller, one ready, one being decoded, one to spare
@@ -56,30 +60,37 @@ class RecordingSource final : public FrameSource, private FrameOwner {
   const char* last_failure() const noexcept { return last_failure_.data(); }
 
  private:
-  static constexpr std::uint32_t kNoBuffer = 0xFFFFFFFFU;
-
-  /// A frame in the queue: a picture or the reason why there is none.
-  struct ReadyFrame {
+  /// A picture, or the reason why there is none.
+  struct Picture {
+    std::unique_ptr<std::uint8_t[]> bytes;  ///< luma, then as much of chroma as there may be
+    Result<ChromaView> chroma;              ///< into `bytes`
+  };
+  /// A frame on its way from the decoding thread to `next`, and the picture that it has lent until it is given back.
+  struct Buffer {
     const RecordedFrame* frame = nullptr;
-    const std::uint8_t* pixels = nullptr;  ///< null: `error` says why
-    std::uint32_t buffer = kNoBuffer;      ///< to be given back; kNoBuffer: pixels are preloaded, or none
-    Error error{Errc::kFrameUnreadable};
+    const Picture* picture = nullptr;
     std::uint64_t number = 0;
     MonoTime exposed_at{};
-    std::uint32_t dropped_before = 0;
+    Picture own;  ///< no bytes where the pictures are preloaded
   };
+  static constexpr std::int64_t kNotStarted_ns = -1;
 
   void give_back(std::uint32_t buffer) noexcept override;
-  void preload();
+  Result<FrameLease> lend(const NewestWins::Taken& taken) noexcept;
+  std::optional<NewestWins::Taken> take_ready() noexcept;
+  bool preload();
+  Result<ChromaView> decode(std::size_t i, std::uint8_t* bytes) noexcept;
   void run() noexcept;
   bool produce(std::size_t i, std::uint64_t pass) noexcept;
-  std::optional<std::uint32_t> take_buffer() noexcept;
-  void fill(ReadyFrame& ready, std::size_t i) noexcept;
+  std::uint32_t take_free() noexcept;
+  void put_ready(std::uint32_t buffer) noexcept;
   template <typename Condition>
-  bool wait_for_turn(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds since_start,
-                     Condition is_enough) noexcept;
-  bool has_buffer() const noexcept { return free_count_ > 0 || !preloaded_.empty(); }
-  void drop_oldest_ready() noexcept;
+  bool wait_until(MonoTime until, Condition is_enough) noexcept;
+  template <typename Condition>
+  bool wait_for_turn(std::chrono::nanoseconds since_start, Condition is_enough) noexcept;
+  bool is_real_time() const noexcept { return options_.pace == RecordingPace::kRealTime; }
+  bool has_free() const noexcept { return free_.load(std::memory_order_acquire) != 0; }
+  std::optional<MonoTime> started_at() const noexcept;
   void set_times();
   std::chrono::nanoseconds time_of(std::size_t i, std::uint64_t pass) const noexcept;
 
@@ -89,19 +100,22 @@ class RecordingSource final : public FrameSource, private FrameOwner {
   RecordingReader reader_;
   std::vector<std::chrono::nanoseconds> times_;  ///< of each frame
   std::chrono::nanoseconds pass_duration_{};
-  std::unique_ptr<std::uint8_t[]> store_;       ///< the buffers, or the preloaded pictures, one after the other
-  std::vector<Result<PictureSize>> preloaded_;  ///< empty = not preloaded
+  std::vector<Picture> preloaded_;  ///< empty = not preloaded
   std::array<char, 512> last_failure_{};
 
-  std::mutex mutex_;  ///< for all below
-  std::condition_variable changed_;
-  std::array<ReadyFrame, kBufferCount> ready_{};
-  std::size_t ready_begin_ = 0, ready_count_ = 0;
-  std::array<std::uint32_t, kBufferCount> free_{};
-  std::size_t free_count_ = 0;
-  std::uint32_t dropped_ = 0;  ///< since the last frame that became ready
-  std::optional<MonoTime> started_at_;
-  bool stop_ = false, finished_ = false;
+  // Handed over by the atomics below: a buffer belongs to the decoding thread while it is free and being filled, then
+  // to the caller of `next` until it is given back.
+  std::array<Buffer, kBufferCount> buffers_;
+  std::atomic<std::uint32_t> free_{(1U << kBufferCount) - 1};  ///< a bit for each buffer
+  NewestWins newest_;                                          ///< with kRealTime
+  std::array<std::uint32_t, kBufferCount> queue_{};            ///< with kEveryFrame; as long as there are buffers
+  std::atomic<std::uint32_t> queued_{0};                       ///< how many were ever put into it
+  std::uint32_t unqueued_ = 0;                                 ///< how many were taken out; the caller of `next`
+  std::uint32_t dropped_ = 0;                                  ///< since the newest ready frame; the decoding thread
+  std::atomic<std::int64_t> started_at_ns_{kNotStarted_ns};
+  std::atomic<bool> stop_{false}, finished_{false};
+  Doorbell ready_;       ///< for `next`
+  Doorbell changed_;     ///< for the decoding thread: started, given back, to be stopped
   std::thread decoder_;  ///< last: it uses all of the above
 };
 

@@ -35,7 +35,8 @@ RecordingWriter::RecordingWriter(const std::string& folder, std::string_view cam
   };
   if (!camera_yaml.empty()) {
     const std::string file = folder_ + "/camera.yaml";
-    const Result<std::size_t> written = write_whole_file(file, bytes_of(camera_yaml), write_bytes_);
+    const Result<std::size_t> written =
+        write_whole_file(file, bytes_of(camera_yaml), Durability::kPowerCut, write_bytes_);
     if (!written) refuse(file, written.error().os_errno);
   }
   const std::string file = folder_ + "/frames.csv";
@@ -91,13 +92,22 @@ Result<std::size_t> RecordingWriter::append_row(std::string_view row) noexcept {
   return written;
 }
 
+Result<std::size_t> RecordingWriter::encode(const Frame& frame) {
+  if (frame.chroma.empty()) return encode_png_grey(frame.luma, png_);
+  const PictureSize size{frame.luma.width_px, frame.luma.height_px};
+  rgb_.resize(3 * size.pixel_count());
+  rgb_from_ycbcr(frame.luma, frame.chroma, rgb_);
+  return encode_png_rgb(rgb_, size, png_);
+}
+
 Result<std::uint64_t> RecordingWriter::add(const FrameLease& lease) {
   const Frame& frame = lease.frame;
   const HeadAngles head = frame.head.value_or(HeadAngles{});
   const std::uint64_t number = next_number_ + (frame_count_ > 0 ? lease.dropped_before : 0);
   const std::string picture = fmt::format("{}/frames/{:06}.png", folder_, number);
-  NINEDOT_TRY(const std::size_t encoded_bytes, encode_png_grey(frame.luma, png_));
-  const Result<std::size_t> written = write_whole_file(picture, std::span(png_).first(encoded_bytes), write_bytes_);
+  NINEDOT_TRY(const std::size_t encoded_bytes, encode(frame));
+  const Result<std::size_t> written =
+      write_whole_file(picture, std::span(png_).first(encoded_bytes), Durability::kWhenConvenient, write_bytes_);
   if (!written) return tl::unexpected<Error>(written.error());
   const Result<std::size_t> row = append_row(format_frames_csv_row(
       {number, to_ns(frame.exposed_at()), head.pan_rad * kDegPerRad, head.tilt_rad * kDegPerRad}));

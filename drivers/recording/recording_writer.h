@@ -25,7 +25,9 @@ class RecordingWriter {
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
-  /// Pictures are numbered from 0; a number is left out for each frame that was lost before this one.
+  /// Pictures are numbered from 0; a number is left out for each frame that was lost before this one. A frame with
+  /// colour becomes an RGB picture, read back with the very luma and, where RGB has it, the very colour of each pixel
+  /// (rgb_from_ycbcr).
   /// \return  the number of the picture
   /// \error kIo with errno (ENOSPC: the disk is full); the recording is as it was before the call.
   Result<std::uint64_t> add(const FrameLease& lease);
@@ -36,6 +38,7 @@ class RecordingWriter {
   void make_folder();
   void remove_folder() noexcept;
   Result<std::size_t> append_row(std::string_view row) noexcept;
+  Result<std::size_t> encode(const Frame& frame);
 
   std::string folder_;
   std::string first_made_;  ///< the outermost folder that did not exist before
@@ -44,7 +47,7 @@ class RecordingWriter {
   std::int64_t csv_bytes_ = 0;
   std::uint64_t frame_count_ = 0;
   std::uint64_t next_number_ = 0;
-  std::vector<std::uint8_t> png_;
+  std::vector<std::uint8_t> rgb_, png_;
 };
 
 }  // namespace ninedot

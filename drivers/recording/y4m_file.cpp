@@ -38,15 +38,14 @@ double parse_rate_hz(std::string_view text) noexcept {
   return rate_hz >= 1e-3 && rate_hz <= 1e5 ? rate_hz : 0;
 }
 
-/// Bytes of both chroma planes. Odd sides round up, as the format demands.
-std::optional<std::size_t> chroma_bytes(std::string_view kind, PictureSize size) noexcept {
-  const std::size_t half_width = (static_cast<std::size_t>(size.width_px) + 1) / 2;
-  const std::size_t half_height = (static_cast<std::size_t>(size.height_px) + 1) / 2;
-  if (kind == "mono") return 0;
+/// Of one chroma plane. Odd sides round up, as the format demands.
+std::optional<PictureSize> chroma_size(std::string_view kind, PictureSize size) noexcept {
+  const int half_width = (size.width_px + 1) / 2, half_height = (size.height_px + 1) / 2;
+  if (kind == "mono") return PictureSize{};
   if (kind == "420" || kind == "420jpeg" || kind == "420mpeg2" || kind == "420paldv")
-    return 2 * half_width * half_height;
-  if (kind == "422") return 2 * half_width * static_cast<std::size_t>(size.height_px);
-  if (kind == "444") return 2 * size.pixel_count();
+    return PictureSize{half_width, half_height};
+  if (kind == "422") return PictureSize{half_width, size.height_px};
+  if (kind == "444") return size;
   return std::nullopt;
 }
 
@@ -89,9 +88,9 @@ Result<Y4mHeader> parse_y4m_header(std::span<const std::uint8_t> start) noexcept
   }
   if (header.size.width_px < 1 || header.size.height_px < 1)
     return fail(Errc::kFrameUnreadable, "the Y4M file's W or H is missing or not between 1 and 8192");
-  const std::optional<std::size_t> chroma = chroma_bytes(kind, header.size);
+  const std::optional<PictureSize> chroma = chroma_size(kind, header.size);
   if (!chroma) return fail(Errc::kFrameUnreadable, "the Y4M file's C is none of mono, 420, 422, 444 with 8 bits");
-  header.chroma_bytes = *chroma;
+  header.chroma_size = *chroma;
   return header;
 }
 

@@ -6,8 +6,20 @@
 namespace ninedot {
 
 /// One Cb and one Cr for each block of luma pixels, as the camera's buffer holds them: planes, pairs, or between the
-/// luma. 128 is no colour. The blocks are (luma width / width) by (luma height / height) pixels, rounded up. Lifetime:
-/// as of the luma that it came with.
+/// luma. 128 is no colour. The blocks are (luma width / width) by (luma height / height) pixels, rounded up. Where in
+/// its block a sample was taken (centre or left edge) is not told. Lifetime: as of the luma that it came with.
+///
+/// The equations are ITU-R BT.601's. Luma and chroma are both as the source gives them, so they always fit together,
+/// but their range is the source's:
+///
+/// | source | range |
+/// |---|---|
+/// | pictures and JPEG files of a recording | full: 0..255 for both, Cb = 128 + 0.564 (B - Y), Cr = 128 + 0.713 (R - Y)
+/// | | cameras, .y4m files | not known here; most are limited: luma 16..235, chroma 16..240, which is 219/255 and
+/// 224/255 of the full range |
+///
+/// So the hue is right everywhere, and saturation beside contrast is right to within 2.3 % (224/219); absolute levels
+/// are not comparable between sources. A recording of a camera keeps the camera's numbers, whatever their range.
 struct ChromaView {
   const std::uint8_t* cb = nullptr;
   const std::uint8_t* cr = nullptr;

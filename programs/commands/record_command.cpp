@@ -30,6 +30,7 @@ constexpr auto kPatience = 5s;
 struct RecordArguments {
   std::string config, out;
   std::uint64_t frames = 0;  ///< 0 = until the end
+  bool grey = false;
 };
 
 /// The calibration to record beside the pictures: empty where the camera has none yet (one records in order to
@@ -68,7 +69,7 @@ void run_record(const RecordArguments& arguments) {
   std::uint64_t lost = 0;
   MonoTime last_frame_at = mono_now();
   while (signals.wait(0ns) == 0 && (arguments.frames == 0 || writer.frame_count() < arguments.frames)) {
-    const Result<FrameLease> frame = source.frames->next(mono_now() + 200ms);
+    Result<FrameLease> frame = source.frames->next(mono_now() + 200ms);
     if (!frame) {
       if (frame.error().code == Errc::kEndOfStream) break;
       check_failure(source, frame.error(), last_frame_at);
@@ -76,6 +77,7 @@ void run_record(const RecordArguments& arguments) {
     }
     last_frame_at = mono_now();
     lost += frame->dropped_before;
+    if (arguments.grey) frame->frame.chroma = {};
     const Result<std::uint64_t> number = writer.add(*frame);
     if (!number)
       throw StartupError(
@@ -101,6 +103,7 @@ void add_record_command(CLI::App& app) {
   command->add_option("--out", arguments->out, "a new or empty folder")->required();
   command->add_option("--frames", arguments->frames, "stop after so many; default: at the end, or at Ctrl-C")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{999'999'999}));
+  command->add_flag("--grey", arguments->grey, "leave out the colour: the pose needs none, and the files are smaller");
   command->callback([arguments] { run_record(*arguments); });
 }
 

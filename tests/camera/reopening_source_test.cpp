@@ -4,6 +4,8 @@
 
 #include <deque>
 #include <functional>
+#include <mutex>
+#include <optional>
 
 namespace ninedot {
 namespace {
@@ -29,7 +31,8 @@ class ScriptedDevice final : public CameraDevice {
     int refusal = ENODEV;
     std::chrono::milliseconds opening_takes{0};
     std::vector<MonoTime> openings;
-    int closings = 0, lent = 0;
+    int closings = 0, lent = 0, refreshed = 0;
+    std::optional<std::chrono::nanoseconds> refresh_pause;
     bool is_open = false;
 
     void add(const Answer& answer) {
@@ -81,6 +84,12 @@ class ScriptedDevice final : public CameraDevice {
   void release(std::uint32_t) noexcept override {
     const std::lock_guard lock(script_.mutex);
     --script_.lent;
+  }
+  std::optional<std::chrono::nanoseconds> refresh() noexcept override {
+    const std::lock_guard lock(script_.mutex);
+    EXPECT_TRUE(script_.is_open);
+    ++script_.refreshed;
+    return script_.refresh_pause;
   }
 
  private:
@@ -286,6 +295,40 @@ TEST(ReopeningSource, RefusesAtTheStartUnlessToldToWait) {
   script.add(frame(1));
   ask_until_frame(source);
   EXPECT_EQ(source.counters().restarts, 0U) << "the first opening is no restart";
+}
+
+TEST(ReopeningSource, TellsTheNewestRefusalUntilTheCameraIsOpen) {
+  Script script;
+  script.refuse_openings = 3;
+  ReopenOptions options = quick();
+  options.wait_for_device = true;
+  ReopeningSource source(std::make_unique<ScriptedDevice>(script), options);
+  EXPECT_EQ(source.last_refusal(), "/dev/scripted: no such camera");
+  script.add(frame(1));
+  ask_until_frame(source);
+  EXPECT_EQ(source.last_refusal(), "");
+  EXPECT_EQ(source.description(), "scripted");
+  EXPECT_EQ(script.read(&Script::openings).size(), 4U);
+}
+
+TEST(ReopeningSource, AsksARunningDeviceWhatChangedAsOftenAsItWants) {
+  Script script;
+  script.refresh_pause = 5ms;
+  ReopeningSource source(std::make_unique<ScriptedDevice>(script), quick());
+  for (const MonoTime give_up = mono_now() + 5s; mono_now() < give_up && script.read(&Script::refreshed) < 4;)
+    std::this_thread::sleep_for(1ms);
+  EXPECT_GE(script.read(&Script::refreshed), 4);
+  {
+    const std::lock_guard lock(script.mutex);
+    script.refresh_pause.reset();
+    script.answers.push_back({.failure = Errc::kCameraLost});
+    script.answers.push_back(frame(1));
+  }
+  ask_until_frame(source);  // opened anew: asked once, and then no more
+  std::this_thread::sleep_for(20ms);
+  const int asked = script.read(&Script::refreshed);
+  std::this_thread::sleep_for(30ms);
+  EXPECT_EQ(script.read(&Script::refreshed), asked);
 }
 
 TEST(ReopeningSource, EndsAtOnceWhileLost) {

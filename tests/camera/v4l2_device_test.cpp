@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -181,6 +182,58 @@ TEST(V4l2Device, AMonotonicStampBecomesTheMiddleOfTheExposure) {
   EXPECT_EQ(frame->frame.exposed_at(), stamp + 2ms) << "start of exposure";
 }
 
+TEST(V4l2Device, FollowsAnAutomaticExposureThatChangesWithTheLight) {
+  Bench bench;
+  bench.kernel.add_control(V4L2_CID_EXPOSURE_AUTO, 0, 3, V4L2_EXPOSURE_MANUAL);
+  bench.kernel.add_control(V4L2_CID_EXPOSURE_ABSOLUTE, 1, 5000, 50);
+  V4l2Device& device = bench.opened();
+  const auto grab_frame = [&](MonoTime stamp) {
+    bench.kernel.deliver({.stamp = stamp});
+    const Result<GrabbedFrame> frame = device.grab(mono_now() + 1s);
+    EXPECT_TRUE(frame);
+    device.release(frame->buffer);
+    return frame->frame;
+  };
+  const MonoTime stamp = std::chrono::floor<std::chrono::microseconds>(mono_now()) - 1ms;
+  EXPECT_EQ(grab_frame(stamp).exposed_at(), stamp - 2500us);
+
+  bench.kernel.values[V4L2_CID_EXPOSURE_ABSOLUTE] = 200;  // it grew dark
+  ASSERT_EQ(device.refresh(), V4l2Device::kRefreshPause);
+  const Frame dark = grab_frame(stamp + 1us);
+  EXPECT_EQ(dark.exposed_at(), stamp + 1us - 10ms);
+  EXPECT_EQ(dark.exposure_end - dark.exposure_begin, 20ms);
+
+  bench.kernel.refusals[VIDIOC_G_CTRL] = EIO;  // a camera that does not answer: what was known holds
+  EXPECT_EQ(device.refresh(), V4l2Device::kRefreshPause);
+  EXPECT_EQ(grab_frame(stamp + 2us).exposed_at(), stamp + 2us - 10ms);
+}
+
+TEST(V4l2Device, AsksNoMoreWhereNothingChangesByItself) {
+  Bench plain;
+  EXPECT_EQ(plain.opened().refresh(), std::nullopt);
+  Bench manual;
+  manual.kernel.add_control(V4L2_CID_EXPOSURE_AUTO, 0, 3, V4L2_EXPOSURE_APERTURE_PRIORITY);
+  manual.kernel.add_control(V4L2_CID_EXPOSURE_ABSOLUTE, 1, 5000, 50);
+  manual.request.exposure = 5ms;
+  EXPECT_EQ(manual.opened().refresh(), std::nullopt);
+}
+
+TEST(V4l2Device, TellsRowTimeAndZoomOfEachFrameAndNoGainThatItDoesNotKnow) {
+  Bench bench;
+  bench.request.row_time = 30us;
+  bench.kernel.add_control(V4L2_CID_ZOOM_ABSOLUTE, 0, 1000, 120);
+  V4l2Device& device = bench.opened();
+  bench.kernel.values[V4L2_CID_ZOOM_ABSOLUTE] = 240;
+  EXPECT_EQ(device.refresh(), V4l2Device::kRefreshPause);
+  bench.kernel.deliver({.stamp = mono_now()});
+  const Result<GrabbedFrame> frame = device.grab(mono_now() + 1s);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->frame.row_time, 30us);
+  EXPECT_EQ(frame->frame.zoom, 240);
+  EXPECT_TRUE(std::isnan(frame->frame.gain));
+  EXPECT_TRUE(std::isnan(frame->frame.focus_dioptre));
+}
+
 TEST(V4l2Device, AStampOfAnotherClockOrFromTheFutureGivesWayToTheArrival) {
   Bench bench;
   V4l2Device& device = bench.opened();
@@ -323,7 +376,7 @@ TEST(V4l2Controls, WhatTheDriverMadeOfAValueIsWhatCounts) {
   bench.kernel.round_control = [](int value) { return value / 8 * 8; };
   bench.request.exposure = 5ms;
   const AppliedControls applied = apply_controls(bench.kernel, FakeVideoKernel::kFd, bench.request);
-  EXPECT_EQ(applied.exposure, 4800us);
+  EXPECT_EQ(applied.now.exposure, 4800us);
   EXPECT_EQ(applied.description, "exposure 4800 us (asked 5000)");
 }
 

@@ -34,7 +34,7 @@ def same_pose(row, other):
 
 def record(guest, out, frames, pixel_format):
     guest.write("/tmp/record.toml", camera_config(pixel_format=pixel_format))
-    return guest.check(f"rm -rf {out}; ninedot record --config /tmp/record.toml --out {out} --frames {frames}", 120)
+    return guest.check(f"rm -rf {out}; ninedot record --grey --config /tmp/record.toml --out {out} --frames {frames}", 120)
 
 
 class CameraStage:
@@ -43,7 +43,7 @@ class CameraStage:
         self.vivid = Vivid(guest)
         # All of the scenes once more through our own encoder, to compare with what is captured.
         guest.write("/tmp/scenes.toml", '[camera]\nsource = "recording"\ndevice = "/media/scenes"\nloop = false')
-        guest.check("ninedot record --config /tmp/scenes.toml --out /tmp/scenes", 120)
+        guest.check("ninedot record --grey --config /tmp/scenes.toml --out /tmp/scenes", 120)
         self.sums = checksums(guest, "/tmp/scenes")
         self.scene_of = {digest: number for number, digest in self.sums.items()}
         self.rows = {int(row["frame"]): row for row in replay(guest, "/media/scenes")}

@@ -67,7 +67,7 @@ class LibcameraStage:
     def pictures(self):
         """Which scene each captured frame shows."""
         said = self.guest.check(
-            f"ninedot record --config /tmp/ninedotd.toml --out /tmp/captured --frames {RECORDED}", 180
+            f"ninedot record --grey --config /tmp/ninedotd.toml --out /tmp/captured --frames {RECORDED}", 180
         ).splitlines()[-1]
         sums = checksums(self.guest, "/tmp/captured")
         scenes = [path.read_bytes() for path in sorted((self.stage.out / "media" / "stills").glob("*.raw"))]

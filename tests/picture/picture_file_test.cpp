@@ -48,12 +48,12 @@ Bytes png_file(std::uint32_t format, const Bytes& pixels, PictureSize size) {
   return file;
 }
 
-Bytes jpeg_file(const Bytes& rgb, PictureSize size) {
+Bytes jpeg_file(const Bytes& rgb, PictureSize size, TJSAMP sampling = TJSAMP_444) {
   const tjhandle jpeg = tjInitCompress();
   unsigned char* data = nullptr;
   unsigned long count = 0;
-  EXPECT_EQ(
-      tjCompress2(jpeg, rgb.data(), size.width_px, 0, size.height_px, TJPF_RGB, &data, &count, TJSAMP_444, 100, 0), 0);
+  EXPECT_EQ(tjCompress2(jpeg, rgb.data(), size.width_px, 0, size.height_px, TJPF_RGB, &data, &count, sampling, 100, 0),
+            0);
   Bytes file(data, data + count);
   tjFree(data);
   tjDestroy(jpeg);
@@ -66,17 +66,6 @@ Bytes ramp_rgb() {
   Bytes rgb(3 * kSmall.pixel_count());
   for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = static_cast<std::uint8_t>(i * 5 / 8);
   return rgb;
-}
-
-TEST(Luma, IsTheRoundedWeightedSumOfBt601) {
-  for (int r = 0; r < 256; r += 15)
-    for (int g = 0; g < 256; g += 15)
-      for (int b = 0; b < 256; b += 15) {
-        const int luma =
-            luma_from_rgb(static_cast<std::uint8_t>(r), static_cast<std::uint8_t>(g), static_cast<std::uint8_t>(b));
-        ASSERT_NEAR(luma, 0.299 * r + 0.587 * g + 0.114 * b, 0.51);
-      }
-  EXPECT_EQ(luma_from_rgb(255, 255, 255), 255);
 }
 
 TEST(PictureDecoder, ReadsAllKindsOfPng) {
@@ -154,6 +143,85 @@ TEST(PictureDecoder, ReadsJpegLumaWithinAFewLevels) {
   ASSERT_TRUE(decoded.result);
   for (std::size_t i = 0; i < kSmall.pixel_count(); ++i)
     EXPECT_NEAR(decoded.luma[i], luma_from_rgb(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]), 4) << i;
+}
+
+struct WithChroma {
+  Result<ChromaView> result;
+  Bytes luma, chroma;
+};
+
+WithChroma decode_with_chroma(const Bytes& file, PictureSize size) {
+  PictureDecoder decoder(size);
+  WithChroma decoded{ChromaView{}, Bytes(size.pixel_count(), 0xCD), Bytes(2 * size.pixel_count(), 0xCD)};
+  decoded.result = decoder.decode_with_chroma(file, decoded.luma, decoded.chroma);
+  return decoded;
+}
+
+TEST(PictureDecoder, GivesTheColourOfEveryPixelOfAPngOrPpmBesideTheSameLuma) {
+  const Bytes rgb = ramp_rgb();
+  Bytes ppm = bytes_of("P6 16 8 255\n");
+  ppm.insert(ppm.end(), rgb.begin(), rgb.end());
+  for (const Bytes& file : {png_file(PNG_FORMAT_RGB, rgb, kSmall), ppm}) {
+    const WithChroma decoded = decode_with_chroma(file, kSmall);
+    ASSERT_TRUE(decoded.result);
+    EXPECT_EQ(decoded.luma, decode(file, kSmall).luma);
+    ASSERT_EQ(decoded.result->width, 16);
+    ASSERT_EQ(decoded.result->height, 8);
+    for (int y = 0; y < 8; ++y)
+      for (int x = 0; x < 16; ++x) {
+        const std::uint8_t* const pixel = &rgb[static_cast<std::size_t>(3 * (16 * y + x))];
+        ASSERT_EQ(decoded.result->cb_at(x, y), cb_from_rgb(pixel[0], pixel[1], pixel[2]));
+        ASSERT_EQ(decoded.result->cr_at(x, y), cr_from_rgb(pixel[0], pixel[1], pixel[2]));
+      }
+  }
+}
+
+TEST(PictureDecoder, GivesNoColourOfAGreyPicture) {
+  const Bytes grey(kSmall.pixel_count(), 77);
+  const WithChroma decoded = decode_with_chroma(png_file(PNG_FORMAT_GRAY, grey, kSmall), kSmall);
+  ASSERT_TRUE(decoded.result);
+  EXPECT_TRUE(decoded.result->empty());
+  EXPECT_EQ(decoded.luma, grey);
+  const Bytes jpeg = jpeg_file(Bytes(3 * kSmall.pixel_count(), 77), kSmall, TJSAMP_GRAY);
+  const WithChroma from_jpeg = decode_with_chroma(jpeg, kSmall);
+  ASSERT_TRUE(from_jpeg.result);
+  EXPECT_TRUE(from_jpeg.result->empty());
+  EXPECT_EQ(from_jpeg.luma, decode(jpeg, kSmall).luma);
+}
+
+TEST(PictureDecoder, GivesAJpegsOwnColourAtAllSamplingsAndSizes) {
+  for (const TJSAMP sampling : {TJSAMP_444, TJSAMP_422, TJSAMP_420, TJSAMP_440, TJSAMP_411})
+    for (int width = 1; width < 20; ++width)
+      for (int height = 1; height < 20; height += 1 + height / 5) {
+        const PictureSize size{width, height};
+        Bytes rgb(3 * size.pixel_count());
+        for (std::size_t i = 0; i < size.pixel_count(); ++i) {
+          rgb[3 * i] = 200;
+          rgb[3 * i + 1] = static_cast<std::uint8_t>(60 + i % 7);  // the luma has something to get wrong
+          rgb[3 * i + 2] = 30;
+        }
+        const Bytes file = jpeg_file(rgb, size, sampling);
+        const WithChroma decoded = decode_with_chroma(file, size);
+        ASSERT_TRUE(decoded.result);
+        ASSERT_EQ(decoded.luma, decode(file, size).luma) << sampling << ' ' << width << 'x' << height;
+        const ChromaView& chroma = *decoded.result;
+        ASSERT_LE(chroma.width, width);
+        ASSERT_LE(chroma.height, height);
+        for (int y = 0; y < chroma.height; ++y)
+          for (int x = 0; x < chroma.width; ++x) {
+            ASSERT_NEAR(chroma.cb_at(x, y), cb_from_rgb(200, 63, 30), 4);
+            ASSERT_NEAR(chroma.cr_at(x, y), cr_from_rgb(200, 63, 30), 4);
+          }
+      }
+}
+
+TEST(PictureDecoder, RefusesTheSamePicturesWithTheColourAsWithout) {
+  const Bytes whole = jpeg_file(ramp_rgb(), kSmall, TJSAMP_420);
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
+    EXPECT_EQ(decode_with_chroma(cut, kSmall).result.has_value(), decode(cut, kSmall).result.has_value()) << length;
+  }
+  EXPECT_EQ(decode_with_chroma(whole, {15, 8}).result.error().code, Errc::kFrameSize);
 }
 
 TEST(PictureDecoder, TellsAnotherSizeFromADamagedPicture) {

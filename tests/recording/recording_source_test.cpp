@@ -124,6 +124,35 @@ TEST_P(LoopedRecording, KeepsNumbersAndTimesGrowing) {
 INSTANTIATE_TEST_SUITE_P(DecodedOnceAndDecodedEachTime, LoopedRecording,
                          testing::Values(std::size_t{1} << 20U, std::size_t{0}));
 
+/// Red, then grey, then blue: 2 x 1 px each.
+void write_colours(const TemporaryRecording& recording) {
+  const auto ppm = [](const std::string& pixel) { return "P6 2 1 255\n" + pixel + pixel; };
+  recording.write("frames/000000.ppm", ppm({'\xC8', '\x1E', '\x1E'}));
+  recording.write("frames/000001.pgm", "P5 2 1 255\n~~");
+  recording.write("frames/000002.ppm", ppm({'\x1E', '\x1E', '\xC8'}));
+}
+
+class ColouredRecording : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(ColouredRecording, LendsTheColourOfThoseFramesThatHaveOne) {
+  const TemporaryRecording recording(0);
+  write_colours(recording);
+  RecordingSource source(recording.path(), {.loop = true, .preload_bytes = GetParam()});
+  for (int pass = 0; pass < 3; ++pass) {
+    const Result<FrameLease> red = source.next(soon()), grey = source.next(soon()), blue = source.next(soon());
+    ASSERT_TRUE(red && grey && blue);
+    ASSERT_FALSE(red->frame.chroma.empty());
+    EXPECT_EQ(red->frame.luma.at(1, 0), luma_from_rgb(0xC8, 0x1E, 0x1E));
+    EXPECT_EQ(red->frame.chroma.cr_at(1, 0), cr_from_rgb(0xC8, 0x1E, 0x1E));
+    EXPECT_TRUE(grey->frame.chroma.empty());
+    EXPECT_EQ(grey->frame.luma.at(1, 0), '~');
+    EXPECT_EQ(blue->frame.chroma.cb_at(0, 0), cb_from_rgb(0x1E, 0x1E, 0xC8));
+  }
+}
+// All of them in memory; the luma would fit but not the colour; not asked for.
+INSTANTIATE_TEST_SUITE_P(DecodedOnceAndDecodedEachTime, ColouredRecording,
+                         testing::Values(std::size_t{14}, std::size_t{13}, std::size_t{0}));
+
 TEST(RecordingSource, CarriesPanAndTiltOfFramesCsv) {
   TemporaryRecording recording(1);
   recording.write("frames.csv", "frame,timestamp_ns,pan_deg,tilt_deg\n0,5,90,-45\n");

@@ -71,6 +71,35 @@ TEST(RecordingWriter, WritesARecordingThatReadsBack) {
   }
 }
 
+TEST(RecordingWriter, KeepsTheColourOfACameraAndItsLumaToTheBit) {
+  // As a camera's NV12 has it: a Cb and a Cr for 2 x 2 pixels, side by side, rows longer than the picture.
+  constexpr int kWidth = 8, kHeight = 4, kStride = 10;
+  std::vector<std::uint8_t> pixels(kStride * kHeight * 3 / 2);
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    pixels[i] = static_cast<std::uint8_t>(i < kStride * kHeight ? 60 + 3 * i : 100 + i % 50);
+  const std::uint8_t* const colour = pixels.data() + kStride * kHeight;
+  FrameLease lease;
+  lease.frame.luma = ImageView{pixels.data(), kWidth, kHeight, kStride};
+  lease.frame.chroma = ChromaView{colour, colour + 1, kWidth / 2, kHeight / 2, 2, kStride};
+  const TemporaryRecording temporary(0);
+  const std::string folder = temporary.path() + "/recording";
+  {
+    RecordingWriter writer(folder, "");
+    ASSERT_TRUE(writer.add(lease));
+  }
+  RecordingSource source(folder, {});
+  const Result<FrameLease> read = source.next(mono_now() + 5s);
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->frame.chroma.width, kWidth);
+  ASSERT_EQ(read->frame.chroma.height, kHeight);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      EXPECT_EQ(read->frame.luma.at(x, y), lease.frame.luma.at(x, y));
+      EXPECT_EQ(read->frame.chroma.cb_at(x, y), lease.frame.chroma.cb_at(x / 2, y / 2));
+      EXPECT_EQ(read->frame.chroma.cr_at(x, y), lease.frame.chroma.cr_at(x / 2, y / 2));
+    }
+}
+
 TEST(RecordingWriter, KeepsAReadableRecordingWhereverTheDiskGetsFull) {
   const std::vector<std::uint8_t> pixels(32, 77);
   for (std::size_t room = 0; room < 700; room += 3) {

@@ -20,7 +20,7 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
 TEST(Y4mHeader, KnowsSizeRateAndChromaOfEachKind) {
   const auto chroma_of = [](const std::string& kind) {
     const auto header = parse_y4m_header(bytes_of("YUV4MPEG2 W5 H3 F30000:1001 Ip A1:1 " + kind + "\n"));
-    return header ? static_cast<int>(header->chroma_bytes) : -1;
+    return header ? static_cast<int>(2 * header->chroma_size.pixel_count()) : -1;
   };
   EXPECT_EQ(chroma_of("Cmono"), 0);
   EXPECT_EQ(chroma_of(""), 12);  // 4:2:0 unless it says otherwise; odd sides round up
@@ -59,6 +59,34 @@ TEST(Y4mRecording, GivesItsFramesAtItsRate) {
     EXPECT_EQ(frame->frame.exposed_at(), MonoTime(i * 100ms));
   }
   EXPECT_EQ(source.next(mono_now() + 5s).error().code, Errc::kEndOfStream);
+}
+
+TEST(Y4mRecording, LendsTheColourPlanesThatFollowTheLuma) {
+  const TemporaryRecording folder(0);
+  folder.write("a.y4m", "YUV4MPEG2 W3 H2 C420\nFRAME\nabcdefuvwx");
+  folder.write("b.y4m", "YUV4MPEG2 W3 H1 C422\nFRAME\nabcuvwx");
+  folder.write("c.y4m", "YUV4MPEG2 W3 H1 Cmono\nFRAME\nabc");
+  folder.write("d.y4m", "YUV4MPEG2 W3 H1 C422\nFRAME\nabcuv");
+  for (const char* const name : {"/a.y4m", "/b.y4m"}) {
+    RecordingSource source(folder.path() + name, {});
+    const Result<FrameLease> frame = source.next(mono_now() + 5s);
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->frame.luma.at(2, 0), 'c');
+    const ChromaView& chroma = frame->frame.chroma;
+    ASSERT_EQ(chroma.width, 2);
+    ASSERT_EQ(chroma.height, 1);
+    EXPECT_EQ(chroma.cb_at(0, 0), 'u');
+    EXPECT_EQ(chroma.cb_at(1, 0), 'v');
+    EXPECT_EQ(chroma.cr_at(0, 0), 'w');
+    EXPECT_EQ(chroma.cr_at(1, 0), 'x');
+  }
+  for (const char* const name : {"/c.y4m", "/d.y4m"}) {  // it has none; it was cut off
+    RecordingSource source(folder.path() + name, {});
+    const Result<FrameLease> frame = source.next(mono_now() + 5s);
+    ASSERT_TRUE(frame);
+    EXPECT_TRUE(frame->frame.chroma.empty());
+    EXPECT_EQ(frame->frame.luma.at(2, 0), 'c');
+  }
 }
 
 TEST(Y4mRecording, GivesAnErrorForATruncatedLastFrame) {

@@ -1,0 +1,134 @@
+#include "drivers/posix/whole_file.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "base/startup_error.h"
+#include "drivers/posix/output_file.h"
+
+namespace {
+
+/// Of each fsync: whether a folder was meant, and whether the finished file was there already.
+struct Sync {
+  bool is_folder, is_there;
+  friend bool operator==(const Sync&, const Sync&) = default;
+};
+std::vector<Sync> syncs;
+std::string finished_file;
+int sync_error = 0;
+
+}  // namespace
+
+/// In libc's place.
+extern "C" int fsync(int descriptor) {
+  struct stat status {};
+  ::fstat(descriptor, &status);
+  syncs.push_back({S_ISDIR(status.st_mode), std::filesystem::exists(finished_file)});
+  if (sync_error == 0) return static_cast<int>(::syscall(SYS_fsync, descriptor));
+  errno = sync_error;
+  return -1;
+}
+
+namespace ninedot {
+namespace {
+
+namespace fs = std::filesystem;
+
+class WholeFile : public testing::Test {
+ protected:
+  WholeFile() {
+    std::string pattern = (fs::temp_directory_path() / "ninedot-test-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr) std::abort();
+    folder_ = pattern;
+    finished_file = folder_ / "file";
+    syncs.clear();
+    sync_error = 0;
+  }
+  ~WholeFile() override { fs::remove_all(folder_); }
+  static std::span<const std::uint8_t> bytes(std::string_view text) {
+    return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+  }
+  static std::string text_of(const fs::path& file) {
+    std::ifstream stream(file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator{}));
+  }
+  fs::path folder_;
+};
+
+TEST_F(WholeFile, IsOnTheDiskBeforeItIsSeenAndItsNameAfterwards) {
+  ASSERT_TRUE(write_whole_file(finished_file, bytes("new")));
+  EXPECT_EQ(text_of(finished_file), "new");
+  EXPECT_EQ(syncs, (std::vector<Sync>{{false, false}, {true, true}}));
+  EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(WholeFile, APictureDoesNotWaitForTheDisk) {
+  ASSERT_TRUE(write_whole_file(finished_file, bytes("new"), Durability::kWhenConvenient));
+  EXPECT_EQ(text_of(finished_file), "new");
+  EXPECT_TRUE(syncs.empty());
+}
+
+TEST_F(WholeFile, KeepsTheOldOneWhereTheDiskFails) {
+  ASSERT_TRUE(write_whole_file(finished_file, bytes("old")));
+  sync_error = EIO;
+  const Result<std::size_t> written = write_whole_file(finished_file, bytes("new"));
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().os_errno, EIO);
+  EXPECT_EQ(text_of(finished_file), "old");
+  EXPECT_EQ(files(), 1U) << "the temporary file is gone";
+}
+
+TEST_F(WholeFile, WritesDevicesDirectlyAndLeavesThemWhatTheyAre) {
+  ASSERT_EQ(::mkfifo((folder_ / "fifo").c_str(), 0600), 0);
+  const int reader = ::open((folder_ / "fifo").c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_TRUE(write_whole_file(folder_ / "fifo", bytes("new")));
+  char text[8];
+  EXPECT_EQ(::read(reader, text, sizeof text), 3);
+  ::close(reader);
+  EXPECT_TRUE(fs::is_fifo(folder_ / "fifo"));
+  EXPECT_EQ(files(), 1U);
+  EXPECT_TRUE(syncs.empty());
+}
+
+TEST_F(WholeFile, OutputInPiecesIsThereAtFinishAndNotBefore) {
+  const std::string piece(40'000, 'x');
+  {
+    OutputFile abandoned(finished_file);
+    for (int i = 0; i < 5; ++i) abandoned.write(piece);
+  }
+  EXPECT_EQ(files(), 0U);
+  OutputFile file(finished_file);
+  for (int i = 0; i < 5; ++i) file.write(piece);
+  EXPECT_FALSE(fs::exists(finished_file));
+  file.finish();
+  EXPECT_EQ(fs::file_size(finished_file), 5 * piece.size());
+  EXPECT_EQ(syncs, (std::vector<Sync>{{false, false}, {true, true}}));
+}
+
+TEST_F(WholeFile, OutputSaysInOneLineWhatIsInTheWay) {
+  for (const auto& [path, why] : {std::pair<std::string, std::string>{folder_ / "no/file", "No such file or directory"},
+                                  {"/dev/full", "No space left on device"}}) {
+    try {
+      OutputFile file(path);
+      file.write("text");
+      file.finish();
+      ADD_FAILURE() << path;
+    } catch (const StartupError& error) {
+      EXPECT_EQ(error.status, ExitStatus::kWorkFailed);
+      EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ninedot
