@@ -39,8 +39,8 @@ void run_service(const std::string& config_path, bool live) {
   const CameraModel model = read_camera_calibration(config.camera);
   Localiser localiser(model, localiser_options(config));
   const OpenedHead head = open_head(config, model);
-  LatestValue<Report> reports;
-  LatestValue<Health> health;
+  Mailbox<Report> reports;
+  Mailbox<Health> health;
   const int memory_refused = config.service.lock_memory ? lock_memory() : ECANCELED;
   const std::chrono::duration<double> stall(config.camera.stall_frames / config.camera.rate_hz);
   FrameLoopOptions loop_options;

@@ -25,7 +25,7 @@ double decode_one(std::uint16_t address, std::uint16_t value) noexcept {
 
 }  // namespace
 
-RegisterBank::RegisterBank(const LatestValue<Report>& reports, const LatestValue<Health>& health,
+RegisterBank::RegisterBank(const Mailbox<Report>& reports, const Mailbox<Health>& health,
                            const ModbusOptions& options, Clock clock) noexcept
     : reports_(reports), health_(health), options_(options), clock_(clock) {}
 

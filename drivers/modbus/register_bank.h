@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "base/latest_value.h"
+#include "base/mailbox.h"
 #include "base/mono_time.h"
 #include "drivers/modbus/command.h"
 #include "drivers/modbus/options.h"
@@ -46,7 +46,7 @@ class RegisterBank {
   using Clock = MonoTime (*)() noexcept;
 
   /// The mailboxes must outlive the bank. \param clock  for tests
-  RegisterBank(const LatestValue<Report>& reports, const LatestValue<Health>& health, const ModbusOptions& options,
+  RegisterBank(const Mailbox<Report>& reports, const Mailbox<Health>& health, const ModbusOptions& options,
                Clock clock = mono_now) noexcept;
 
   /// The whole map for one reply, all of it from one report.
@@ -82,8 +82,8 @@ class RegisterBank {
                                                     std::span<const std::uint16_t> values) const noexcept;
   std::uint32_t connected_clients(MonoTime now) const noexcept;
 
-  const LatestValue<Report>& reports_;
-  const LatestValue<Health>& health_;
+  const Mailbox<Report>& reports_;
+  const Mailbox<Health>& health_;
   const ModbusOptions options_;
   const Clock clock_;
 

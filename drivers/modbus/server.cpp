@@ -2,7 +2,7 @@
 
 namespace ninedot {
 
-ModbusServer::ModbusServer(const LatestValue<Report>& reports, const LatestValue<Health>& health,
+ModbusServer::ModbusServer(const Mailbox<Report>& reports, const Mailbox<Health>& health,
                            const ModbusOptions& options)
     : bank_(reports, health, options) {
   if (options.tcp) tcp_.emplace(bank_, *options.tcp);

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/latest_value.h"
+#include "base/mailbox.h"
 #include "drivers/modbus/command.h"
 #include "drivers/modbus/counters.h"
 #include "drivers/modbus/options.h"
@@ -20,7 +20,7 @@ namespace ninedot {
 class ModbusServer {
  public:
   /// Throws StartupError where an address or a serial line can't be used; see TcpServer and RtuServer.
-  ModbusServer(const LatestValue<Report>& reports, const LatestValue<Health>& health, const ModbusOptions& options);
+  ModbusServer(const Mailbox<Report>& reports, const Mailbox<Health>& health, const ModbusOptions& options);
 
   /// The port that TCP listens on, 0 without TCP.
   std::uint16_t tcp_port() const noexcept { return tcp_ ? tcp_->port() : 0; }

@@ -12,8 +12,8 @@
 
 namespace ninedot {
 
-FrameLoop::FrameLoop(FrameSource& source, FrameProcessor& processor, LatestValue<Report>& reports,
-                     LatestValue<Health>& health, const FrameLoopOptions& options)
+FrameLoop::FrameLoop(FrameSource& source, FrameProcessor& processor, Mailbox<Report>& reports,
+                     Mailbox<Health>& health, const FrameLoopOptions& options)
     : source_(source),
       processor_(processor),
       reports_(reports),

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <thread>
 
-#include "base/latest_value.h"
+#include "base/mailbox.h"
 #include "pipeline/frame_processor.h"
 #include "pipeline/head_control.h"
 #include "pipeline/latency_histogram.h"
@@ -28,7 +28,7 @@ struct FrameLoopOptions {
 /// the getters may be called from any thread. The references given to the constructor must outlive the loop.
 class FrameLoop {
  public:
-  FrameLoop(FrameSource& source, FrameProcessor& processor, LatestValue<Report>& reports, LatestValue<Health>& health,
+  FrameLoop(FrameSource& source, FrameProcessor& processor, Mailbox<Report>& reports, Mailbox<Health>& health,
             const FrameLoopOptions& options = {});
   ~FrameLoop() { stop(); }
   FrameLoop(const FrameLoop&) = delete;
@@ -68,8 +68,8 @@ class FrameLoop {
 
   FrameSource& source_;
   FrameProcessor& processor_;
-  LatestValue<Report>& reports_;
-  LatestValue<Health>& healths_;
+  Mailbox<Report>& reports_;
+  Mailbox<Health>& healths_;
   const FrameLoopOptions options_;
 
   Report report_{};
@@ -85,7 +85,7 @@ class FrameLoop {
   std::atomic<std::uint64_t> turns_{0};
   std::atomic<bool> over_{false};
   std::atomic<double> temperature_degC_;
-  LatestValue<Error> last_error_;
+  Mailbox<Error> last_error_;
   std::jthread thread_;  // last: ends before anything it uses
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 /// The head's part in the frame loop: what the frame shows -> aiming step -> report -> head.
 #include "aim/aimer.h"
-#include "base/latest_value.h"
+#include "base/mailbox.h"
 #include "ports/digital_io.h"
 #include "ports/pan_tilt.h"
 #include "proto/report.h"
@@ -30,7 +30,7 @@ class HeadControl {
   Aimer aimer_;
   PanTilt& head_;
   const DigitalInput* const inhibit_;
-  LatestValue<AimOrder> order_;
+  Mailbox<AimOrder> order_;
   AimStep next_;
   bool stopped_ = false;
 };

@@ -1,6 +1,6 @@
 #pragma once
 /// What the main thread does while the service runs: log, service manager, display; until a signal asks to end.
-#include "base/latest_value.h"
+#include "base/mailbox.h"
 #include "drivers/modbus/server.h"
 #include "drivers/posix/signals.h"
 #include "pipeline/frame_loop.h"
@@ -10,8 +10,8 @@ namespace ninedot {
 
 struct RunningService {
   FrameLoop& frames;
-  const LatestValue<Report>& reports;
-  const LatestValue<Health>& health;
+  const Mailbox<Report>& reports;
+  const Mailbox<Health>& health;
   ModbusServer& modbus;
   RegisterCodecOptions codec;
   HeadControl* head;          ///< may be null

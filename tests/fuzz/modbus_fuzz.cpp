@@ -27,8 +27,8 @@ void answer(RegisterBank& bank, std::span<const std::uint8_t> request) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace ninedot;
-  static const LatestValue<Report> reports;
-  static const LatestValue<Health> health;
+  static const Mailbox<Report> reports;
+  static const Mailbox<Health> health;
   static const ModbusOptions options = [] {
     ModbusOptions all;
     all.allow_writes = true;

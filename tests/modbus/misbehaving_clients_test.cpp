@@ -84,8 +84,8 @@ struct Worst {
 
 /// The longest that a well-behaved client waited for a reply, and the frame loop for its mailbox.
 Worst measure(const std::vector<Misbehaviour>& misbehaviours) {
-  LatestValue<Report> reports;
-  const LatestValue<Health> health;
+  Mailbox<Report> reports;
+  const Mailbox<Health> health;
   ModbusOptions options;
   options.tcp.emplace().port = 0;
   const ModbusServer server(reports, health, options);
@@ -142,8 +142,8 @@ TEST(MisbehavingClients, AllOfThemTogetherDelayNobody) {
 }
 
 TEST(MisbehavingClients, AReaderThatNeverReadsIsDroppedInTheEnd) {
-  const LatestValue<Report> reports;
-  const LatestValue<Health> health;
+  const Mailbox<Report> reports;
+  const Mailbox<Health> health;
   ModbusOptions options;
   options.tcp.emplace().port = 0;
   const ModbusServer server(reports, health, options);

@@ -64,8 +64,8 @@ void read_many(std::uint16_t port, int reads, Count& count) {
 class OneFrame : public testing::TestWithParam<double> {};
 
 TEST_P(OneFrame, HoldsForEveryReadOfSeveralClientsWhileFramesArrive) {
-  LatestValue<Report> reports(test::report_number(0));
-  const LatestValue<Health> health;
+  Mailbox<Report> reports(test::report_number(0));
+  const Mailbox<Health> health;
   ModbusOptions options;
   options.tcp.emplace().port = 0;
   const ModbusServer server(reports, health, options);

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <thread>
 
-#include "base/latest_value.h"
+#include "base/mailbox.h"
 #include "proto/report.h"
 
 namespace ninedot::test {
@@ -27,7 +27,7 @@ inline Report report_number(std::uint32_t sequence) {
 
 class Publisher {
  public:
-  Publisher(LatestValue<Report>& reports, double rate_hz)
+  Publisher(Mailbox<Report>& reports, double rate_hz)
       : thread_([this, &reports, rate_hz] { run(reports, rate_hz); }) {}
   ~Publisher() {
     stop_ = true;
@@ -38,7 +38,7 @@ class Publisher {
   std::uint32_t published() const { return published_; }
 
  private:
-  void run(LatestValue<Report>& reports, double rate_hz) {
+  void run(Mailbox<Report>& reports, double rate_hz) {
     const std::chrono::nanoseconds period(static_cast<std::int64_t>(1e9 / rate_hz));
     for (MonoTime next = mono_now(); !stop_; next += period) {
       const Report report = report_number(++published_);

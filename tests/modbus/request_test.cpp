@@ -49,8 +49,8 @@ class ModbusRequest : public testing::Test {
   }
 
   static inline MonoTime now_;
-  LatestValue<Report> reports_;
-  LatestValue<Health> health_;
+  Mailbox<Report> reports_;
+  Mailbox<Health> health_;
   ModbusOptions options_;
   std::optional<RegisterBank> bank_;
   ClientSession session_;

@@ -89,8 +89,8 @@ class ModbusRtu : public testing::Test {
     EXPECT_EQ(line.receive(9), rtu_frame(1, {3, 4, 0x9D, 0x09, 0, 1}));
   }
 
-  LatestValue<Report> reports_;
-  LatestValue<Health> health_;
+  Mailbox<Report> reports_;
+  Mailbox<Health> health_;
   ModbusOptions options_;
   Line line_;
   std::optional<ModbusServer> server_;
@@ -236,8 +236,8 @@ TEST_F(ModbusRtu, RtuAndTcpServeAtOnce) {
 }
 
 std::string start_error(const ModbusRtuOptions& rtu, ExitStatus expected) {
-  const LatestValue<Report> reports;
-  const LatestValue<Health> health;
+  const Mailbox<Report> reports;
+  const Mailbox<Health> health;
   ModbusOptions options;
   options.rtu = rtu;
   try {

@@ -9,8 +9,8 @@
 
 int main(int argc, char** argv) {
   using namespace ninedot;
-  LatestValue<Report> reports;
-  LatestValue<Health> health;
+  Mailbox<Report> reports;
+  Mailbox<Health> health;
   const MonoTime started_at = mono_now();
   reports.publish(test::known_report(started_at));
   health.publish(test::known_health(started_at));

@@ -39,8 +39,8 @@ class ModbusTcp : public testing::Test {
     return true;
   }
 
-  LatestValue<Report> reports_;
-  LatestValue<Health> health_;
+  Mailbox<Report> reports_;
+  Mailbox<Health> health_;
   ModbusOptions options_;
   std::optional<ModbusServer> server_;
 };

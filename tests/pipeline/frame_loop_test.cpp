@@ -87,8 +87,8 @@ struct Bench {
 
   ScriptedSource source;
   EvenFramesAreFound processor;
-  LatestValue<Report> reports;
-  LatestValue<Health> health;
+  Mailbox<Report> reports;
+  Mailbox<Health> health;
   FrameLoop loop;
 };
 

@@ -39,8 +39,8 @@ struct Outcome {
 Outcome run_and_count(const std::string& recording, Solver solver, bool tracking) {
   RecordingSource source(recording, {});
   Localiser localiser(read_camera_file(recording_camera_file(recording)), {.solver = solver, .tracking = tracking});
-  LatestValue<Report> reports;
-  LatestValue<Health> health;
+  Mailbox<Report> reports;
+  Mailbox<Health> health;
   SimulatedPanTilt servos(straight_axes(), {});
   HeadControl head(read_camera_file(recording_camera_file(recording)), {}, servos, nullptr, {});
   FrameLoop loop(source, localiser, reports, health, {.health_period = std::chrono::nanoseconds(1), .head = &head});
