@@ -84,7 +84,7 @@ RtuServer::RtuServer(RegisterBank& bank, const ModbusRtuOptions& options)
       started_at_(bank.now()) {
   if (!line_) throw StartupError(ExitStatus::kWorkFailed, cannot_open(options_.device, errno));
   fd_ = modbus_get_socket(line_.get());
-  open_ = true;
+  bank_.counters.serial_open = true;
   thread_ = start_server_thread("modbus-rtu", [this]() noexcept { run(); });
 }
 
@@ -96,15 +96,15 @@ RtuServer::~RtuServer() {
 void RtuServer::run() noexcept {
   for (;;) {
     if (serve_until_lost() == LineState::kStopping) return;
-    open_ = false;
-    losses_.fetch_add(1, std::memory_order_relaxed);
+    bank_.counters.serial_open = false;
+    bank_.counters.serial_losses.fetch_add(1, std::memory_order_relaxed);
     bank_.counters.bus_errors.fetch_add(1, std::memory_order_relaxed);
     bank_.client_left(session_);
     session_ = {};
     receiver_.give_up();
     line_.reset();
     if (!reopen()) return;
-    open_ = true;
+    bank_.counters.serial_open = true;
   }
 }
 
@@ -222,7 +222,7 @@ void RtuServer::publish_counts() noexcept {
   const std::uint64_t broken = receiver_.broken_frames();
   bank_.counters.bus_errors.fetch_add(broken - counted_broken_, std::memory_order_relaxed);
   counted_broken_ = broken;
-  foreign_.store(receiver_.foreign_frames(), std::memory_order_relaxed);
+  bank_.counters.foreign_frames.store(receiver_.foreign_frames(), std::memory_order_relaxed);
 }
 
 void RtuServer::append_clients(std::vector<ConnectedClient>& clients) const {
@@ -231,12 +231,6 @@ void RtuServer::append_clients(std::vector<ConnectedClient>& clients) const {
   const MonoTime now = bank_.now();
   clients.push_back({fmt::format("{} unit {}", options_.device, options_.unit),
                      requests_.load(std::memory_order_relaxed), now - started_at_, now - mono_from_ns(heard_ns)});
-}
-
-void RtuServer::add_to(ModbusCounters& counters) const noexcept {
-  counters.foreign_frames += foreign_.load(std::memory_order_relaxed);
-  counters.serial_losses += losses_.load(std::memory_order_relaxed);
-  counters.serial_open = open_.load(std::memory_order_relaxed);
 }
 
 }  // namespace ninedot

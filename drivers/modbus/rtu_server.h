@@ -32,7 +32,6 @@ class RtuServer {
   RtuServer& operator=(const RtuServer&) = delete;
 
   void append_clients(std::vector<ConnectedClient>& clients) const;
-  void add_to(ModbusCounters& counters) const noexcept;
 
  private:
   struct CloseLine {
@@ -67,8 +66,7 @@ class RtuServer {
   MonoTime echo_until_{};
 
   std::uint64_t counted_broken_ = 0;
-  std::atomic<std::uint64_t> requests_{0}, foreign_{0}, losses_{0};
-  std::atomic<bool> open_{false};
+  std::atomic<std::uint64_t> requests_{0};
   const MonoTime started_at_;
   std::thread thread_;
 };

@@ -1,26 +1,25 @@
 #pragma once
-/// The Modbus side of the service: TCP, RTU or both, from two mailboxes.
+/// The Modbus side of the service: TCP, RTU or both, from one source.
 #include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "base/mailbox.h"
 #include "drivers/modbus/command.h"
 #include "drivers/modbus/counters.h"
 #include "drivers/modbus/options.h"
 #include "drivers/modbus/register_bank.h"
 #include "drivers/modbus/rtu_server.h"
 #include "drivers/modbus/tcp_server.h"
-#include "proto/report.h"
+#include "proto/wire_report.h"
 
 namespace ninedot {
 
-/// Serves from construction to destruction, in a thread of its own per transport; the frame loop only ever publishes
-/// into the mailboxes. The mailboxes must outlive it.
+/// Serves from construction to destruction, in a thread of its own per transport; nobody waits for those but clients.
 class ModbusServer {
  public:
   /// Throws StartupError where an address or a serial line can't be used; see TcpServer and RtuServer.
-  ModbusServer(const Mailbox<Report>& reports, const Mailbox<Health>& health, const ModbusOptions& options);
+  /// \param source  must outlive the servers
+  ModbusServer(const WireSource& source, const ModbusOptions& options);
 
   /// The port that TCP listens on, 0 without TCP.
   std::uint16_t tcp_port() const noexcept { return tcp_ ? tcp_->port() : 0; }
@@ -28,6 +27,8 @@ class ModbusServer {
   /// Who is connected now; a serial line that has brought a request counts as a client.
   std::vector<ConnectedClient> clients() const;
   ModbusCounters counters() const noexcept;
+  /// The map as a client that asks now and holds nothing reads it. Threads: any.
+  RegisterBlock registers() noexcept;
 
   /// What a client asks for, at most one thing at a time. Threads: one caller.
   std::optional<ClientCommand> try_take_command() noexcept { return bank_.try_take_command(); }

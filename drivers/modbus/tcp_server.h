@@ -29,7 +29,6 @@ class TcpServer {
 
   std::uint16_t port() const noexcept { return port_; }
   void append_clients(std::vector<ConnectedClient>& clients) const;
-  void add_to(ModbusCounters& counters) const noexcept;
 
  private:
   void run() noexcept;
@@ -52,7 +51,6 @@ class TcpServer {
 
   mutable std::mutex mutex_;  // guards clients_; never held while waiting
   std::vector<std::unique_ptr<TcpConnection>> clients_;
-  std::atomic<std::uint64_t> accepted_{0}, refused_{0}, expired_{0};
   std::thread thread_;
 };
 

@@ -6,7 +6,7 @@
 
 #include "image/frame.h"
 #include "pose/estimate.h"
-#include "proto/report.h"
+#include "report/report.h"
 
 namespace ninedot {
 
@@ -24,6 +24,7 @@ struct Fix {
   bool ambiguous = false;                                 ///< above the configured limit
   std::uint16_t quality = 0;                              ///< 0..1000, see pose_quality
   std::chrono::nanoseconds process_time{};
+  WorkCounts work;  ///< of all frames since the start, whatever `reason` says
 };
 
 class FrameProcessor {

@@ -82,8 +82,8 @@ OpenedHead open_head(const Config& config, const CameraModel& camera) {
     head.description = fmt::format("{}, {}", config.pan_tilt.driver,
                                    config.pan_tilt.follow ? "follows the landmark" : "stays until a command comes");
     head.servos = open_servos(config.pan_tilt, head.description);
-    head.control = std::make_unique<HeadControl>(camera, aim_options(config.pan_tilt), *head.servos, head.inhibit.get(),
-                                                 first_order(config.pan_tilt));
+    head.output = std::make_unique<HeadOutput>(camera, aim_options(config.pan_tilt), *head.servos, head.inhibit.get(),
+                                               first_order(config.pan_tilt));
   }
   // Last: the servos' signals stand before they get power, so nothing jumps.
   if (!gpio.servo_power.empty()) {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "config/config.h"
-#include "pipeline/head_control.h"
+#include "outputs/head_output.h"
 
 namespace ninedot {
 
@@ -14,7 +14,7 @@ struct OpenedHead {
   std::unique_ptr<DigitalOutput> status_led;   ///< null: none is configured
   std::unique_ptr<DigitalInput> inhibit;       ///< null: none is configured
   std::unique_ptr<PanTilt> servos;             ///< null: driver "none"
-  std::unique_ptr<HeadControl> control;        ///< null: driver "none"
+  std::unique_ptr<HeadOutput> output;          ///< null: driver "none"
   std::unique_ptr<DigitalOutput> servo_power;  ///< null: none is configured
   std::string description;                     ///< for the log; empty: driver "none"
 };

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "proto/report.h"
+#include "report/report.h"
 
 namespace ninedot {
 
