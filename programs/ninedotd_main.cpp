@@ -1,15 +1,19 @@
 // The service. Its main() is the architecture: configuration -> source -> localiser -> frame loop, which publishes into
-// two mailboxes and turns the head; Modbus servers, which read them; and a main thread that owns everything and waits
-// for a signal.
+// one mailbox; and the outputs that are fed from it: registers, which the Modbus servers read when they answer, the
+// head in a thread of its own, and the main thread's list, which it works through until a signal comes.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "config/config.h"
 #include "drivers/posix/realtime.h"
+#include "outputs/output_thread.h"
+#include "outputs/wire_output.h"
 #include "programs/assembly/input_files.h"
 #include "programs/assembly/localiser_options.h"
 #include "programs/assembly/modbus_options.h"
@@ -17,6 +21,7 @@
 #include "programs/assembly/open_source.h"
 #include "programs/display/live_display.h"
 #include "programs/program.h"
+#include "programs/service/main_outputs.h"
 #include "programs/service/service_watch.h"
 
 namespace ninedot {
@@ -39,8 +44,8 @@ void run_service(const std::string& config_path, bool live) {
   const CameraModel model = read_camera_calibration(config.camera);
   Localiser localiser(model, localiser_options(config));
   const OpenedHead head = open_head(config, model);
-  LatestValue<Report> reports;
-  LatestValue<Health> health;
+  Mailbox<Report> reports;
+  Mailbox<Health> health;
   const bool wants_lock = config.service.lock_memory;
   const Result<void> locked = wants_lock ? lock_memory() : Result<void>();
   const std::chrono::duration<double> stall(config.camera.stall_frames / config.camera.rate_hz);
@@ -48,15 +53,20 @@ void run_service(const std::string& config_path, bool live) {
   loop_options.stall_after =
       std::max(loop_options.stall_after, std::chrono::duration_cast<std::chrono::nanoseconds>(stall));
   loop_options.memory_locked = wants_lock && locked.has_value();
-  loop_options.head = head.control.get();
+  if (head.output) loop_options.head = &head.output->snapshots();
   FrameLoop frames(*camera.frames, localiser, reports, health, loop_options);
   const ModbusOptions modbus = modbus_options(config);
-  ModbusServer server(reports, health, modbus);
+  const WireOutput registers(reports, health);
+  ModbusServer server(registers, modbus);
 
   std::optional<LiveDisplay> display;
   if (live) display.emplace(stdout, how_to_read(modbus));
   ServiceLog log(display ? &*display : nullptr);
-  RealtimeThread thread(config.service.realtime_priority);
+  // Below the frame loop, which it must not hold up; the frame loop never waits for it (base/handoff.h).
+  RealtimeThread head_priority(std::max(0, config.service.realtime_priority - 1), "head");
+  std::optional<OutputThread> head_thread;
+  if (head.output) head_thread.emplace(reports, *head.output, head_priority, HeadOutput::kPeriod);
+  RealtimeThread thread(config.service.realtime_priority, "frames");
   const int realtime_refused = frames.start(thread);
   log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION, config.camera.device, model.width_px,
                         model.height_px, config.pose.solver));
@@ -66,10 +76,15 @@ void run_service(const std::string& config_path, bool live) {
   for (const std::string& command : reading_commands(modbus)) log.write("read the position with: " + command);
   if (!modbus.tcp && !modbus.rtu) log.write("no Modbus server: add [modbus.tcp] or [modbus.rtu] to the configuration");
 
-  watch_until_signalled(signals,
-                        {frames, reports, health, server, modbus.codec, head.control.get(), head.status_led.get(),
-                         head.lone_power.get(), head.devices},
-                        log, display ? &*display : nullptr);
+  // A further output is a further entry here; one that waits for others gets an OutputThread like the head.
+  std::vector<std::unique_ptr<Output>> outputs;
+  outputs.push_back(std::make_unique<LogOutput>(log, frames));
+  if (head.output) outputs.push_back(std::make_unique<CommandOutput>(server, *head.output));
+  if (head.status_led) outputs.push_back(std::make_unique<LedOutput>(*head.status_led));
+  if (head.lone_power) outputs.push_back(std::make_unique<PowerOutput>(*head.lone_power));
+  outputs.push_back(std::make_unique<DeviceLogOutput>(log, head.devices, server));
+  if (display) outputs.push_back(std::make_unique<LiveOutput>(*display, server, modbus.codec));
+  watch_until_signalled(signals, {frames, reports, outputs});
   frames.stop();
 }
 

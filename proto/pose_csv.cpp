@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "base/contract.h"
-#include "base/units.h"
 
 namespace ninedot {
 namespace {
@@ -32,47 +31,35 @@ void append(std::string& text, double value, int digits) {
   if (text[start] == '-' && text.find_first_of("123456789n", start) == std::string::npos) text.erase(start, 1);
 }
 
-const char* solver_name(Solver solver) {
-  switch (solver) {
-    case Solver::kFull:
-      return "full";
-    case Solver::kEllipse:
-      return "ellipse";
-  }
-  return "?";
-}
-
-double variance(const Report& report, std::size_t axis) { return report.covariance[axis * 7]; }
-
 }  // namespace
 
 std::string_view pose_csv_header(PoseCsvColumns columns) noexcept {
   return columns == PoseCsvColumns::kAll ? kHeader : kHeaderWithoutTime;
 }
 
-std::string format_pose_csv_row(const Report& report, PoseCsvColumns columns) {
+std::string format_pose_csv_row(const WireReport& report, PoseCsvColumns columns) {
   EXPECTS(report.valid);
   std::string row = fmt::format("{},{},{}", report.frame_number, to_ns(report.exposed_at), report.landmark_id);
   const auto add = [&row](double value, int digits) {
     row += ',';
     append(row, value, digits);
   };
-  for (const double position_m : report.camera_in_landmark.position_m) add(position_m * kMmPerM, kLengthDigits);
+  for (const double position_mm : report.camera_in_landmark.position_mm) add(position_mm, kLengthDigits);
   for (const double q : report.camera_in_landmark.quaternion_wxyz) add(q, kQuaternionDigits);
-  for (const double angle_rad : {report.swing_psi_rad, report.tilt_phi_rad, report.pan_theta_rad})
-    add(angle_rad * kDegPerRad, kLengthDigits);
-  add(report.distance_m * kMmPerM, kLengthDigits);
-  for (std::size_t axis = 0; axis < 3; ++axis) add(std::sqrt(variance(report, axis)) * kMmPerM, kLengthDigits);
-  add(std::sqrt(variance(report, 3) + variance(report, 4) + variance(report, 5)) * kDegPerRad, kLengthDigits);
+  for (const double angle_deg : {report.swing_psi_deg, report.tilt_phi_deg, report.pan_theta_deg})
+    add(angle_deg, kLengthDigits);
+  add(report.distance_mm, kLengthDigits);
+  for (const double sigma_mm : report.sigma_landmark_mm) add(sigma_mm, kLengthDigits);
+  add(report.sigma_rotation_deg, kLengthDigits);
   add(report.ambiguity, 6);
   add(report.rms_px, 6);
-  row += fmt::format(",{},{},{}", report.dots_used, report.occlusion_level, solver_name(report.solver));
-  if (columns == PoseCsvColumns::kAll) add(static_cast<double>(report.process_time.count()) / 1000, 1);
+  row += fmt::format(",{},{},{}", report.dots_used, report.occlusion_level, report.ellipse_solver ? "ellipse" : "full");
+  if (columns == PoseCsvColumns::kAll) add(report.process_us, 1);
   row += '\n';
   return row;
 }
 
-std::string format_tum_row(const Report& report) {
+std::string format_tum_row(const WireReport& report) {
   EXPECTS(report.valid);
   const std::int64_t ns = to_ns(report.exposed_at);
   std::string row = fmt::format("{}.{:09}", ns / 1'000'000'000, ns % 1'000'000'000);
@@ -80,7 +67,7 @@ std::string format_tum_row(const Report& report) {
     row += ' ';
     append(row, value, kQuaternionDigits);
   };
-  for (const double position_m : report.camera_in_landmark.position_m) add(position_m);
+  for (const double position_mm : report.camera_in_landmark.position_mm) add(position_mm / kMmPerM);
   const auto& q = report.camera_in_landmark.quaternion_wxyz;
   for (const std::size_t i : {1U, 2U, 3U, 0U}) add(q[i]);
   row += '\n';

@@ -26,7 +26,7 @@
 #include <string>
 #include <string_view>
 
-#include "proto/report.h"
+#include "proto/wire_report.h"
 
 namespace ninedot {
 
@@ -38,11 +38,11 @@ enum class PoseCsvColumns {
 /// First line, with its line feed.
 std::string_view pose_csv_header(PoseCsvColumns columns = PoseCsvColumns::kAll) noexcept;
 
-/// One row with its line feed. \param report  of a frame that shows a landmark (Report::valid; contract)
-std::string format_pose_csv_row(const Report& report, PoseCsvColumns columns = PoseCsvColumns::kAll);
+/// One row with its line feed. \param report  of a frame that shows a landmark (WireReport::valid; contract)
+std::string format_pose_csv_row(const WireReport& report, PoseCsvColumns columns = PoseCsvColumns::kAll);
 
 /// "timestamp tx ty tz qx qy qz qw" with its line feed: s, m. Sturm et al., "A benchmark for the evaluation of RGB-D
 /// SLAM systems", IROS 2012. \param report  of a frame that shows a landmark (contract)
-std::string format_tum_row(const Report& report);
+std::string format_tum_row(const WireReport& report);
 
 }  // namespace ninedot

@@ -11,7 +11,7 @@
 namespace ninedot {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNaN = kUnknown;
 
 bool is_signed(RegisterType type) { return type == RegisterType::kI16 || type == RegisterType::kI32; }
 
@@ -99,9 +99,15 @@ std::array<double, 3> scaled(const std::array<double, 3>& v, double factor) noex
 
 double ms_of(std::chrono::nanoseconds duration) noexcept { return static_cast<double>(duration.count()) * 1e-6; }
 
-void put_state(Writer& out, const Report& report, const ServerState& server,
+/// What a client reads as the reason: a valid pose may have grown old since, for want of newer ones or in its own hold.
+Reason reason_now(const WireReport& report, bool stale, bool held) noexcept {
+  if (!report.valid || !stale) return report.reason;
+  return held ? Reason::kHeld : Reason::kStale;
+}
+
+void put_state(Writer& out, const WireReport& report, const ServerState& server,
                const RegisterCodecOptions& options) noexcept {
-  const bool has_pose = report.exposed_at != MonoTime{};
+  const bool has_pose = report.has_pose;
   const std::chrono::nanoseconds age = server.now - report.exposed_at;
   const bool stale = !has_pose || age > options.stale_after;
   const bool valid = report.valid && !stale;
@@ -116,7 +122,7 @@ void put_state(Writer& out, const Report& report, const ServerState& server,
   set(stale, status_bit::kStale);
   set(report.calibrated, status_bit::kCalibrated);
   set(report.tracking, status_bit::kTracking);
-  set(report.solver == Solver::kEllipse, status_bit::kEllipseSolver);
+  set(report.ellipse_solver, status_bit::kEllipseSolver);
   set(report.servo_limit, status_bit::kServoLimit);
   set(report.inhibited, status_bit::kInhibited);
   set(report.servo_fault, status_bit::kServoFault);
@@ -126,64 +132,54 @@ void put_state(Writer& out, const Report& report, const ServerState& server,
 
   out.put<reg::kMagic>(kRegisterMapMagic);
   out.put<reg::kMapVersion>(kRegisterMapVersion);
-  out.count<reg::kHeartbeat>(report.heartbeat);
+  out.count<reg::kHeartbeat>(report.frames_processed);
   out.count<reg::kPoseSequence>(report.pose_sequence);
   out.put<reg::kStatus>(status);
-  out.put<reg::kReason>(static_cast<double>(report.valid && stale ? Reason::kStale : report.reason));
+  out.put<reg::kReason>(static_cast<double>(reason_now(report, stale, server.commands.hold)));
   out.put<reg::kLandmarkId>(report.landmark_id);
   out.put<reg::kQuality>(valid ? report.quality : 0);
   out.put<reg::kAge>(has_pose ? ms_of(age) : std::numeric_limits<double>::infinity());
-  out.put<reg::kLatency>(ms_of(report.latency));
+  out.put<reg::kLatency>(report.latency_ms);
 }
 
-void put_pose(Writer& out, const Report& report) noexcept {
-  const ReportPose& pose = report.camera_in_world;
-  const std::array<double, 3> position_mm = scaled(pose.position_m, 1e3);
+void put_pose(Writer& out, const WireReport& report) noexcept {
+  const WirePose& pose = report.camera_in_world;
   const std::array<double, 3> rotation_rad = rotation_vector_rad(pose.quaternion_wxyz);
-  out.put_xyz<reg::kX16>(position_mm);
+  out.put_xyz<reg::kX16>(pose.position_mm);
   out.put_xyz<reg::kRotationX16>(scaled(rotation_rad, 1e3));
-  out.put_xyz<reg::kX32>(position_mm);
+  out.put_xyz<reg::kX32>(pose.position_mm);
   out.put_xyz<reg::kRotationX32>(scaled(rotation_rad, kDegPerRad));
 
-  // Before the first pose nothing is known; the report's zeros would claim the opposite.
-  const bool has_pose = report.exposed_at != MonoTime{};
-  const std::array<double, 6>& sigma = report.sigma_world;
-  out.put_xyz<reg::kSigmaX>(scaled({sigma[0], sigma[1], sigma[2]}, has_pose ? 1e3 : kNaN));
-  out.put_xyz<reg::kSigmaRotationX>(scaled({sigma[3], sigma[4], sigma[5]}, has_pose ? kDegPerRad : kNaN));
+  out.put_xyz<reg::kSigmaX>(report.sigma_world_mm);
+  out.put_xyz<reg::kSigmaRotationX>(report.sigma_world_deg);
   out.put<reg::kAmbiguity>(report.ambiguity);
   out.put<reg::kResidual>(report.rms_px);
   out.put<reg::kDotsUsed>(report.dots_used);
-  out.put<reg::kPan>(report.pan_rad * kDegPerRad);
-  out.put<reg::kTilt>(report.tilt_rad * kDegPerRad);
+  out.put<reg::kPan>(report.pan_deg);
+  out.put<reg::kTilt>(report.tilt_deg);
   out.count<reg::kPoseSequenceCopy>(report.pose_sequence);
 
-  out.put_xyz<reg::kXFloat>(position_mm);
+  out.put_xyz<reg::kXFloat>(pose.position_mm);
   out.put<reg::kQwFloat>(pose.quaternion_wxyz[0]);
   out.put<reg::kQwFloat, 2>(pose.quaternion_wxyz[1]);
   out.put<reg::kQwFloat, 4>(pose.quaternion_wxyz[2]);
   out.put<reg::kQwFloat, 6>(pose.quaternion_wxyz[3]);
 }
 
-void put_health(Writer& out, const Health& health, const ServerState& server) noexcept {
-  out.put<reg::kFrameRate>(health.frame_rate_hz);
-  out.count<reg::kFramesProcessed>(health.frames_processed);
-  out.count<reg::kFramesDropped>(health.frames_dropped);
-  out.count<reg::kFramesFailed>(health.frames_failed);
-  out.put<reg::kCameraRestarts>(health.camera_restarts);
-  out.put<reg::kLatencyMedian>(ms_of(health.latency_median));
-  out.put<reg::kLatencyP99>(ms_of(health.latency_p99));
-  out.put<reg::kLatencyP999>(ms_of(health.latency_p999));
-  out.put<reg::kLatencyMax>(ms_of(health.latency_max));
-  out.put<reg::kTemperature>(health.temperature_degC);
-  const bool started = health.started_at != MonoTime{};
-  out.put<reg::kUptime>(started ? std::floor(ms_of(server.now - health.started_at) * 1e-3) : 0.0);
-  out.put<reg::kBusErrors>(static_cast<double>(server.bus_errors));
-  out.put<reg::kConnectedClients>(server.connected_clients);
-  out.put<reg::kHealthFlags>((health.realtime ? health_bit::kRealtime : 0) |
-                             (health.memory_locked ? health_bit::kMemoryLocked : 0));
-  out.put<reg::kExceptions>(static_cast<double>(server.exceptions));
-  out.put<reg::kPulseErrorP99>(ms_of(health.pulse_error_p99) * 1e3);
-  out.put<reg::kPulseErrorMax>(ms_of(health.pulse_error_max) * 1e3);
+void put_metrics(RegisterBlock& block, const MetricValues& metrics, const RegisterCodecOptions& options) noexcept {
+  for (const Metric& metric : kMetrics) {
+    const double value = metrics[metric.id];
+    if (metric.kind == MetricKind::kFlag) {
+      if (value != 0) block[reg::kHealthFlags] = static_cast<std::uint16_t>(block[reg::kHealthFlags] | metric.address);
+      continue;
+    }
+    const RegisterEntry entry = register_of(metric);
+    const std::span<std::uint16_t> words = std::span(block).subspan(entry.address, entry.words());
+    if (metric.type == RegisterType::kCounter32)
+      put_words(static_cast<std::uint32_t>(static_cast<std::uint64_t>(value)), true, words);
+    else
+      encode_value(entry, value, options, words);
+  }
 }
 
 void put_commands(Writer& out, const CommandRegisters& commands) noexcept {
@@ -225,13 +221,13 @@ double decode_value(const RegisterEntry& entry, std::span<const std::uint16_t> w
   return steps * step_of(entry, options);
 }
 
-RegisterBlock encode_registers(const Report& report, const Health& health, const ServerState& server,
+RegisterBlock encode_registers(const WireReport& report, const MetricValues& metrics, const ServerState& server,
                                const RegisterCodecOptions& options) noexcept {
   RegisterBlock block{};
   Writer out(block, options);
   put_state(out, report, server, options);
   put_pose(out, report);
-  put_health(out, health, server);
+  put_metrics(block, metrics, options);
   out.put<reg::kProbeInt32>(-1);
   out.put<reg::kProbeWordOrder>(0x12345678);
   out.put<reg::kProbeFloat>(123456.0);

@@ -13,7 +13,7 @@
 
 #include "base/mono_time.h"
 #include "proto/register_map.h"
-#include "proto/report.h"
+#include "proto/wire_report.h"
 
 namespace ninedot {
 
@@ -38,16 +38,13 @@ struct CommandRegisters {
 struct ServerState {
   MonoTime now{};  ///< the moment of the reply: the age counts up to it
   bool writes_enabled = false;
-  std::uint32_t connected_clients = 0;
-  std::uint64_t bus_errors = 0;
-  std::uint64_t exceptions = 0;
   CommandRegisters commands;
 };
 
 using RegisterBlock = std::array<std::uint16_t, kRegisterCount>;
 
 /// The whole map for one reply. Unmapped addresses are 0.
-RegisterBlock encode_registers(const Report& report, const Health& health, const ServerState& server,
+RegisterBlock encode_registers(const WireReport& report, const MetricValues& metrics, const ServerState& server,
                                const RegisterCodecOptions& options) noexcept;
 
 /// One value into its words. \param value in the entry's unit

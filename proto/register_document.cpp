@@ -33,6 +33,10 @@ std::string_view type_name(RegisterType type) {
   return "";
 }
 
+std::string_view kind_name(MetricKind kind) {
+  return kind == MetricKind::kCounter ? "counter" : kind == MetricKind::kGauge ? "gauge" : "flag";
+}
+
 std::string_view access_name(RegisterAccess access) { return access == RegisterAccess::kRead ? "r" : "rw"; }
 
 bool is_bits_or_float(const RegisterEntry& entry) {
@@ -103,10 +107,18 @@ gives back what was written. A request that writes several registers is carried 
 
 - **Command**: write `command` and then `command_sequence`, or both in one request. A new sequence number starts the
   command; `command_result` becomes 1, and at its end 2 or 3, with the number in `command_acknowledge`.
+  2 (done): the head stands where it was sent, within 0.15 deg or its dead band, and pan and tilt of the same reply say
+  so; or it follows. 3 (failed): it does not answer, is inhibited, stands at the end of its range, or has not arrived
+  after the time that its way takes at its fastest turn, a quarter of it and 5 s more; or a client watchdog took the head away. The
+  order stays all the same: an inhibited head goes on when it may. Servos do not tell where they stand: for them it is
+  where their pulses send them.
+- **A newer command** takes the older one's place at once. `command_result` and `command_acknowledge` are then about
+  the newer one; the older one has no result, and its number never appears in `command_acknowledge`.
 - **Hold** belongs to the client that asks (a TCP connection, or the serial line): it freezes registers 2-53 for that
   client alone, so that nobody can freeze what others see. Writing 1 again takes the newest frame and starts the time
   anew. It ends when 0 is written, when the connection ends, and by itself after 500 ms (`hold_ms`). Age, `stale`
-  and `valid` go on meanwhile: held data grows old like any other. Set-points and commands are shared by all clients.
+  and `valid` go on meanwhile: held data grows old like any other, and then `reason` is 9, unless the held pose was not
+  valid in the first place. Set-points and commands are shared by all clients.
 - **Client watchdog** belongs to the client as well: if it is armed and the client sends no request in time, or its
   connection ends, the head goes back to following the landmark and the watchdog is off again.
 
@@ -118,7 +130,6 @@ gives back what was written. A request that writes several registers is carried 
 | 02 | an address beyond 124, or a write to a register that is not marked `rw` |
 | 03 | a quantity of 0 or above 125 (write: 123), a request whose length is wrong, a written value out of range |
 | 04 | a command that this device can't carry out (no pan/tilt head) |
-| 06 | a command while the one before is still running |
 
 ## Addresses of devices and lines
 
@@ -130,6 +141,13 @@ gives back what was written. A request that writes several registers is carried 
 - TCP connections are limited in number; one that sends no complete request for the idle time is closed, and when all
   places are taken, one that never sent any makes room.
 )";
+
+void append_metrics(std::string& out) {
+  out += "\n| metric | kind | counted by |\n|---|---|---|\n";
+  for (const Metric& metric : kMetrics)
+    fmt::format_to(std::back_inserter(out), "| `{}` | {} | {} |\n", metric.name, kind_name(metric.kind),
+                   metric.counted);
+}
 
 void append_codes(std::string& out, std::span<const RegisterCode> codes) {
   out += "\n| code | meaning |\n|---|---|\n";
@@ -171,6 +189,17 @@ std::string json_codes(std::span<const RegisterCode> codes) {
   return out;
 }
 
+std::string json_metrics() {
+  std::string out;
+  for (const Metric& metric : kMetrics)
+    fmt::format_to(
+        std::back_inserter(out),
+        "{}\n    {{\"name\": \"{}\", \"kind\": \"{}\", \"unit\": \"{}\", \"counted\": \"{}\", \"meaning\": {}}}",
+        out.empty() ? "" : ",", metric.name, kind_name(metric.kind), metric.unit, metric.counted,
+        quoted(metric.meaning, "\\\""));
+  return out;
+}
+
 }  // namespace
 
 std::string register_map_markdown() {
@@ -184,6 +213,8 @@ std::string register_map_markdown() {
   append_bits(out, kStatusBits);
   out += "\n### Health flags (register 78)\n";
   append_bits(out, kHealthBits);
+  out += "\n### Metrics (registers 60-79, 86-99, 108-115)\n";
+  append_metrics(out);
   out += "\n### Reason codes (register 5)\n";
   append_codes(out, kReasonCodes);
   out += "\n### Commands (register 100)\n";
@@ -213,9 +244,9 @@ std::string register_map_json() {
                    access_name(entry.access), quoted(entry.meaning, "\\\""));
   return fmt::format(
       "{{\n  \"version\": {},\n  \"registers\": [{}\n  ],\n  \"status_bits\": [{}\n  ],\n  \"health_bits\": [{}\n  ],\n"
-      "  \"reasons\": [{}\n  ],\n  \"commands\": [{}\n  ]\n}}\n",
-      kRegisterMapVersion, registers, json_bits(kStatusBits), json_bits(kHealthBits), json_codes(kReasonCodes),
-      json_codes(kCommandCodes));
+      "  \"metrics\": [{}\n  ],\n  \"reasons\": [{}\n  ],\n  \"commands\": [{}\n  ]\n}}\n",
+      kRegisterMapVersion, registers, json_bits(kStatusBits), json_bits(kHealthBits), json_metrics(),
+      json_codes(kReasonCodes), json_codes(kCommandCodes));
 }
 
 }  // namespace ninedot

@@ -10,7 +10,7 @@ std::string register_map_markdown();
 /// One line per register: address,name,words,type,step,unit,lowest,highest,access,meaning (RFC 4180 quoting).
 std::string register_map_csv();
 
-/// {"version", "registers": [{...}], "status_bits", "health_bits", "reasons", "commands"} for programs.
+/// {"version", "registers": [{...}], "status_bits", "health_bits", "metrics", "reasons", "commands"} for programs.
 std::string register_map_json();
 
 }  // namespace ninedot

@@ -1,6 +1,8 @@
 #include "proto/register_map.h"
 
-#include "proto/report.h"
+#include <array>
+
+#include "base/reason.h"
 
 namespace ninedot {
 namespace {
@@ -34,23 +36,27 @@ constexpr RegisterBit kStatusBitTable[] = {
     {status_bit::kHasHead, "has_head", "there is a pan/tilt head: registers 37 and 38 are its angles"},
 };
 
-constexpr RegisterBit kHealthBitTable[] = {
-    {health_bit::kRealtime, "realtime", "the frame loop runs under SCHED_FIFO"},
-    {health_bit::kMemoryLocked, "memory_locked", "the service's memory is locked"},
-};
+constexpr auto kHealthBitTable = [] {
+  std::array<RegisterBit, kMetricCount - (kRegisterMap.size() - kOwnRegisters.size())> bits{};
+  auto* to = bits.begin();
+  for (const Metric& metric : kMetrics)
+    if (metric.kind == MetricKind::kFlag) *to++ = {metric.address, metric.name, metric.meaning};
+  return bits;
+}();
 
-constexpr std::uint16_t number(Reason reason) { return static_cast<std::uint16_t>(reason); }
-constexpr RegisterCode kReasonTable[] = {
-    {number(Reason::kNone), "the pose is valid"},
-    {number(Reason::kStarting), "no frame has been processed yet"},
-    {number(Reason::kNoLandmark), "the frame shows no landmark"},
-    {number(Reason::kPoseDegenerate), "a landmark was seen, but what is visible does not determine a pose"},
-    {number(Reason::kCameraLost), "the camera vanished or stalled"},
-    {number(Reason::kFrameSize), "the frame's size is not the calibration's"},
-    {number(Reason::kFrameUnreadable), "the picture could not be read"},
-    {number(Reason::kStopped), "the source is over"},
-    {number(Reason::kStale), "the newest pose is too old: no frame has been processed since"},
-};
+constexpr auto kReasonTable = [] {
+  std::array<RegisterCode, kReasons.size()> codes{};
+  for (std::size_t i = 0; i < codes.size(); ++i)
+    codes[i] = {static_cast<std::uint16_t>(kReasons[i].reason), kReasons[i].sentence};
+  return codes;
+}();
+
+constexpr bool metrics_are_in_order() {
+  for (std::size_t i = 0; i < kMetricCount; ++i)
+    if (static_cast<std::size_t>(kMetrics[i].id) != i) return false;
+  return true;
+}
+static_assert(metrics_are_in_order());
 
 constexpr std::uint16_t number(Command command) { return static_cast<std::uint16_t>(command); }
 constexpr RegisterCode kCommandTable[] = {

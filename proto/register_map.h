@@ -3,6 +3,7 @@
 /// docs/registers.md and the tests follow from it.
 ///
 /// Addresses are 0-based, as they stand in the request on the wire. Function codes 03 and 04 show the same contents.
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +13,8 @@
 #include <string_view>
 
 #include "base/contract.h"
+#include "proto/metrics.h"
+#include "proto/register_entry.h"
 
 namespace ninedot {
 
@@ -23,39 +26,9 @@ inline constexpr std::uint16_t kRegisterMapMagic = 0x9D09;
 /// Addresses without an entry read as 0. From 125 on: exception 02.
 inline constexpr std::size_t kRegisterCount = 125;
 
-/// How a register's words are to be read. Two words: the high word first (float32: as configured).
-enum class RegisterType : std::uint8_t { kU16, kI16, kU32, kI32, kF32, kBits16, kCounter16, kCounter32 };
-enum class RegisterAccess : std::uint8_t { kRead, kReadWrite };
-
-struct RegisterEntry {
-  std::uint16_t address;
-  std::string_view name;
-  RegisterType type;
-  double scale;           ///< one step, in `unit`; the default where `scale_is_configured`
-  std::string_view unit;  ///< empty: a plain number
-  std::int64_t lowest;    ///< range in steps: values beyond saturate there (counters wrap)
-  std::int64_t highest;
-  RegisterAccess access;
-  std::string_view meaning;
-  bool scale_is_configured = false;
-
-  constexpr std::uint16_t words() const noexcept {
-    return type == RegisterType::kU32 || type == RegisterType::kI32 || type == RegisterType::kF32 ||
-                   type == RegisterType::kCounter32
-               ? 2
-               : 1;
-  }
-};
-
-namespace register_ranges {
-inline constexpr std::int64_t kU16Max = 0xFFFF;
-inline constexpr std::int64_t kI16Max = 0x7FFF;  // -32768 is kept for "unknown"
-inline constexpr std::int64_t kU32Max = 0xFFFFFFFF;
-inline constexpr std::int64_t kI32Max = 0x7FFFFFFF;  // -2147483648 is kept for "unknown"
-}  // namespace register_ranges
-
+// The map without the metrics, which have their own table.
 // clang-format off
-inline constexpr auto kRegisterMap = [] {
+inline constexpr auto kOwnRegisters = [] {
   using enum RegisterType;
   using enum RegisterAccess;
   using namespace register_ranges;
@@ -66,10 +39,10 @@ inline constexpr auto kRegisterMap = [] {
   {  3, "pose_sequence",       kCounter16, 1,      "",     0,        kU16Max, kRead, "+1 per valid pose: the data is new"},
   {  4, "status",              kBits16,    1,      "",     0,        kU16Max, kRead, "status bits, see below"},
   {  5, "reason",              kU16,       1,      "",     0,        kU16Max, kRead, "why the pose is not valid, see below; 0 while it is"},
-  {  6, "landmark_id",         kU16,       1,      "",     0,        kU16Max, kRead, "the landmark that the pose rests on"},
+  {  6, "landmark_id",         kU16,       1,      "",     0,        kU16Max, kRead, "the landmark that the pose rests on; 65535 before the first pose"},
   {  7, "quality",             kU16,       1,      "",     0,        1000,    kRead, "0 unusable .. 1000 best; 0 while the pose is not valid"},
   {  8, "age",                 kU16,       0.1,    "ms",   0,        kU16Max, kRead, "age of the pose at the moment of the reply, from the middle of its exposure; saturates, also before the first pose"},
-  {  9, "latency",             kU16,       0.1,    "ms",   0,        kU16Max, kRead, "middle of the exposure to published report, of the last processed frame"},
+  {  9, "latency",             kU16,       0.1,    "ms",   0,        kU16Max, kRead, "middle of the exposure to published report, of the last processed frame; 65535 before the first"},
   { 10, "x_16",                kI16,       0.5,    "mm",   -kI16Max, kI16Max, kRead, "camera's optical centre in the world, x", true},
   { 11, "y_16",                kI16,       0.5,    "mm",   -kI16Max, kI16Max, kRead, "the same, y", true},
   { 12, "z_16",                kI16,       0.5,    "mm",   -kI16Max, kI16Max, kRead, "the same, z (up)", true},
@@ -101,30 +74,14 @@ inline constexpr auto kRegisterMap = [] {
   { 48, "qx_float",            kF32,       1,      "",     0,        0,       kRead, "the same, x"},
   { 50, "qy_float",            kF32,       1,      "",     0,        0,       kRead, "the same, y"},
   { 52, "qz_float",            kF32,       1,      "",     0,        0,       kRead, "the same, z"},
-  { 60, "frame_rate",          kU16,       0.1,    "Hz",   0,        kU16Max, kRead, "processed frames per second"},
-  { 61, "frames_processed",    kCounter32, 1,      "",     0,        kU32Max, kRead, "since the start"},
-  { 63, "frames_dropped",      kCounter32, 1,      "",     0,        kU32Max, kRead, "lost between the sensor and the frame loop"},
-  { 65, "frames_failed",       kCounter32, 1,      "",     0,        kU32Max, kRead, "arrived, but unreadable or of a wrong size"},
-  { 67, "camera_restarts",     kU16,       1,      "",     0,        kU16Max, kRead, "the camera was closed and opened again"},
-  { 68, "latency_median",      kU16,       0.1,    "ms",   0,        kU16Max, kRead, "of the capture-to-publish latency"},
-  { 69, "latency_p99",         kU16,       0.1,    "ms",   0,        kU16Max, kRead, "the same, 99 %"},
-  { 70, "latency_p999",        kU16,       0.1,    "ms",   0,        kU16Max, kRead, "the same, 99.9 %"},
-  { 71, "latency_max",         kU16,       0.1,    "ms",   0,        kU16Max, kRead, "the same, largest"},
-  { 72, "temperature",         kI16,       0.1,    "degC", -kI16Max, kI16Max, kRead, "of the board; -32768 where unknown"},
-  { 73, "uptime",              kU32,       1,      "s",    0,        kU32Max, kRead, "since the service started"},
-  { 75, "bus_errors",          kU32,       1,      "",     0,        kU32Max, kRead, "bad check sums, broken frames, serial line lost"},
-  { 77, "connected_clients",   kU16,       1,      "",     0,        kU16Max, kRead, "TCP connections, and one for a serial line heard in the last 5 s"},
   { 78, "health_flags",        kBits16,    1,      "",     0,        kU16Max, kRead, "health flags, see below"},
-  { 79, "exceptions",          kU16,       1,      "",     0,        kU16Max, kRead, "requests answered with an exception"},
   { 80, "probe_int32",         kI32,       1,      "",     -kI32Max, kI32Max, kRead, "always -1 (0xFFFF 0xFFFF): signed numbers are read as signed"},
   { 82, "probe_word_order",    kU32,       1,      "",     0,        kU32Max, kRead, "always 0x12345678: the word order of 32-bit integers"},
   { 84, "probe_float",         kF32,       1,      "",     0,        0,       kRead, "always 123456.0: the word order of float32"},
-  { 86, "pulse_error_p99",     kU16,       1,      "us",   0,        kU16Max, kRead, "software-made servo pulses: error of their width, 99 %; 0 where hardware makes them"},
-  { 87, "pulse_error_max",     kU16,       1,      "us",   0,        kU16Max, kRead, "the same, largest"},
   {100, "command",             kU16,       1,      "",     0,        kU16Max, kReadWrite, "command code, see below; carried out when register 101 changes"},
   {101, "command_sequence",    kU16,       1,      "",     0,        kU16Max, kReadWrite, "write a number other than the last one to carry out register 100"},
-  {102, "command_acknowledge", kU16,       1,      "",     0,        kU16Max, kRead, "command_sequence of the last command that is finished"},
-  {103, "command_result",      kU16,       1,      "",     0,        kU16Max, kRead, "0 none yet, 1 running, 2 done, 3 failed"},
+  {102, "command_acknowledge", kU16,       1,      "",     0,        kU16Max, kRead, "command_sequence of the last command that has ended; one whose place a newer one took does not end"},
+  {103, "command_result",      kU16,       1,      "",     0,        kU16Max, kRead, "of command_sequence: 0 none yet, 1 running, 2 done, 3 failed, see below"},
   {104, "hold",                kU16,       1,      "",     0,        1,       kReadWrite, "1 freezes registers 2-53 for this client (age and staleness go on); 0 releases; releases itself"},
   {105, "pan_set_point",       kI16,       0.01,   "deg",  -18000,   18000,   kReadWrite, "for command 2, positive to the left"},
   {106, "tilt_set_point",      kI16,       0.01,   "deg",  -9000,    9000,    kReadWrite, "for command 2, positive upwards"},
@@ -132,6 +89,19 @@ inline constexpr auto kRegisterMap = [] {
   });
 }();
 // clang-format on
+
+/// The whole map, by address: the registers above and those of kMetrics.
+inline constexpr auto kRegisterMap = [] {
+  constexpr auto kFlags = static_cast<std::size_t>(
+      std::count_if(kMetrics.begin(), kMetrics.end(), [](const Metric& m) { return m.kind == MetricKind::kFlag; }));
+  std::array<RegisterEntry, kOwnRegisters.size() + kMetricCount - kFlags> map{};
+  auto* const end = std::copy(kOwnRegisters.begin(), kOwnRegisters.end(), map.begin());
+  auto* to = end;
+  for (const Metric& metric : kMetrics)
+    if (metric.kind != MetricKind::kFlag) *to++ = register_of(metric);
+  std::sort(map.begin(), map.end(), [](const auto& a, const auto& b) { return a.address < b.address; });
+  return map;
+}();
 
 /// Place in the table of the entry whose first word is at `address`; the table's size if there is none.
 constexpr std::size_t register_index(std::uint16_t address) noexcept {
@@ -227,9 +197,11 @@ inline constexpr std::uint16_t kValid = 1U << 0, kFound = 1U << 1, kAmbiguous = 
 }
 extern const std::span<const RegisterBit> kStatusBits;
 
-/// Bits of register `health_flags`. Normative.
+/// Bits of register `health_flags`. Normative; the flags of kMetrics.
 namespace health_bit {
-inline constexpr std::uint16_t kRealtime = 1U << 0, kMemoryLocked = 1U << 1;
+inline constexpr std::uint16_t kRealtime = metric_of(MetricId::kRealtime).address,
+                               kMemoryLocked = metric_of(MetricId::kMemoryLocked).address,
+                               kSerialOpen = metric_of(MetricId::kSerialOpen).address;
 }
 extern const std::span<const RegisterBit> kHealthBits;
 
@@ -238,7 +210,8 @@ struct RegisterCode {
   std::uint16_t code;
   std::string_view meaning;
 };
-extern const std::span<const RegisterCode> kReasonCodes;  ///< register `reason`; the numbers are enum Reason
+extern const std::span<const RegisterCode>
+    kReasonCodes;  ///< register `reason`; the numbers are enum Reason (base/reason.h)
 
 /// Register `command`. Never renumber.
 enum class Command : std::uint16_t {
@@ -249,7 +222,7 @@ enum class Command : std::uint16_t {
 inline constexpr std::uint16_t kLastCommand = 2;
 extern const std::span<const RegisterCode> kCommandCodes;
 
-/// Register `command_result`.
+/// Register `command_result`: of the command in `command_sequence`.
 enum class CommandResult : std::uint16_t { kNone = 0, kRunning = 1, kDone = 2, kFailed = 3 };
 
 }  // namespace ninedot

@@ -25,14 +25,29 @@ double decode_one(std::uint16_t address, std::uint16_t value) noexcept {
 
 }  // namespace
 
-RegisterBank::RegisterBank(const LatestValue<Report>& reports, const LatestValue<Health>& health,
-                           const ModbusOptions& options, Clock clock) noexcept
-    : reports_(reports), health_(health), options_(options), clock_(clock) {}
+RegisterBank::RegisterBank(const WireSource& source, const ModbusOptions& options, Clock clock) noexcept
+    : source_(source), options_(options), clock_(clock) {}
 
 std::uint32_t RegisterBank::connected_clients(MonoTime now) const noexcept {
   const std::int64_t heard_ns = counters.serial_heard_ns.load(std::memory_order_relaxed);
   const bool serial = heard_ns != 0 && now - mono_from_ns(heard_ns) < kSerialClientCounts;
   return counters.tcp_clients.load(std::memory_order_relaxed) + (serial ? 1U : 0U);
+}
+
+void RegisterBank::add_own_metrics(MonoTime now, MetricValues& metrics) const noexcept {
+  const auto count = [](const std::atomic<std::uint64_t>& counter) {
+    return static_cast<double>(counter.load(std::memory_order_relaxed));
+  };
+  metrics[MetricId::kConnectedClients] = connected_clients(now);
+  metrics[MetricId::kBusErrors] = count(counters.bus_errors);
+  metrics[MetricId::kExceptions] = count(counters.exceptions);
+  metrics[MetricId::kRequests] = count(counters.requests);
+  metrics[MetricId::kConnections] = count(counters.connections);
+  metrics[MetricId::kConnectionsRefused] = count(counters.connections_refused);
+  metrics[MetricId::kConnectionsExpired] = count(counters.connections_expired);
+  metrics[MetricId::kForeignFrames] = count(counters.foreign_frames);
+  metrics[MetricId::kSerialLosses] = count(counters.serial_losses);
+  metrics[MetricId::kSerialOpen] = counters.serial_open.load(std::memory_order_relaxed) ? 1 : 0;
 }
 
 void RegisterBank::release_expired_hold(ClientSession& session) const noexcept {
@@ -41,8 +56,7 @@ void RegisterBank::release_expired_hold(ClientSession& session) const noexcept {
 
 RegisterBlock RegisterBank::read(ClientSession& session) noexcept {
   release_expired_hold(session);
-  const Report report = session.held ? *session.held : reports_.read();
-  const Health health = health_.read();
+  WireState newest = source_.read(clock_());
   ServerState state;
   {
     const std::lock_guard lock(mutex_);
@@ -51,11 +65,9 @@ RegisterBlock RegisterBank::read(ClientSession& session) noexcept {
   state.commands.hold = session.held.has_value();
   state.commands.client_watchdog = session.watchdog;
   state.writes_enabled = options_.allow_writes;
-  state.bus_errors = counters.bus_errors.load(std::memory_order_relaxed);
-  state.exceptions = counters.exceptions.load(std::memory_order_relaxed);
   state.now = clock_();  // after the report was taken, so that no age is negative
-  state.connected_clients = connected_clients(state.now);
-  return encode_registers(report, health, state, options_.codec);
+  add_own_metrics(state.now, newest.metrics);
+  return encode_registers(session.held ? *session.held : newest.report, newest.metrics, state, options_.codec);
 }
 
 std::optional<ModbusException> RegisterBank::write(ClientSession& session, std::uint16_t first,
@@ -85,7 +97,6 @@ std::optional<ModbusException> RegisterBank::refusal_of_command(std::uint16_t fi
   const std::uint16_t command = written(reg::kCommand, commands_.command);
   if (command > kLastCommand) return ModbusException::kIllegalValue;
   if (written(reg::kCommandSequence, commands_.sequence) == commands_.sequence) return std::nullopt;
-  if (commands_.result == CommandResult::kRunning) return ModbusException::kBusy;
   if (command != 0 && !supports(static_cast<Command>(command))) return ModbusException::kDeviceFailure;
   return std::nullopt;
 }
@@ -111,7 +122,7 @@ void RegisterBank::apply(ClientSession& session, std::uint16_t address, std::uin
     case reg::kHold:
       session.held.reset();
       if (value != 0) {
-        session.held = reports_.read();
+        session.held = source_.read(clock_()).report;
         session.held_until = clock_() + options_.hold_time;
       }
       break;

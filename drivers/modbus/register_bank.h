@@ -7,12 +7,11 @@
 #include <optional>
 #include <span>
 
-#include "base/latest_value.h"
 #include "base/mono_time.h"
 #include "drivers/modbus/command.h"
 #include "drivers/modbus/options.h"
 #include "proto/register_codec.h"
-#include "proto/report.h"
+#include "proto/wire_report.h"
 
 namespace ninedot {
 
@@ -22,20 +21,23 @@ enum class ModbusException : std::uint8_t {
   kIllegalAddress = 2,
   kIllegalValue = 3,
   kDeviceFailure = 4,
-  kBusy = 6,
 };
 
 /// What belongs to one client: a TCP connection, or the serial line.
 struct ClientSession {
-  std::optional<Report> held;  ///< the report that HOLD froze
+  std::optional<WireReport> held;  ///< the report that HOLD froze
   MonoTime held_until{};
   std::chrono::milliseconds watchdog{};  ///< 0: off
   MonoTime last_request_at{};
 };
 
-/// Counted by the server threads, read by anybody.
+/// Counted by the server threads, read by anybody. What each one means: proto/metrics.h.
 struct BankCounters {
   std::atomic<std::uint64_t> requests{0}, exceptions{0}, bus_errors{0};
+  std::atomic<std::uint64_t> connections{0}, connections_refused{0}, connections_expired{0};
+  std::atomic<std::uint64_t> foreign_frames{0}, serial_losses{0};
+  std::atomic<std::uint64_t> unreadable_frames{0};  ///< of the bus errors: broken frames and check sums
+  std::atomic<bool> serial_open{false};
   std::atomic<std::uint32_t> tcp_clients{0};
   std::atomic<std::int64_t> serial_heard_ns{0};  ///< when the serial line last brought a request for us; 0 = never
 };
@@ -45,9 +47,8 @@ class RegisterBank {
  public:
   using Clock = MonoTime (*)() noexcept;
 
-  /// The mailboxes must outlive the bank. \param clock  for tests
-  RegisterBank(const LatestValue<Report>& reports, const LatestValue<Health>& health, const ModbusOptions& options,
-               Clock clock = mono_now) noexcept;
+  /// \param source  must outlive the bank \param clock  for tests
+  RegisterBank(const WireSource& source, const ModbusOptions& options, Clock clock = mono_now) noexcept;
 
   /// The whole map for one reply, all of it from one report.
   RegisterBlock read(ClientSession& session) noexcept;
@@ -63,7 +64,9 @@ class RegisterBank {
   /// The client is gone; an armed watchdog fires.
   void client_left(ClientSession& session) noexcept;
 
+  /// The newest one not yet taken; what it took the place of is forgotten.
   std::optional<ClientCommand> try_take_command() noexcept;
+  /// No effect where a newer command has taken its place.
   void finish_command(std::uint16_t sequence, bool succeeded) noexcept;
 
   bool writes_enabled() const noexcept { return options_.allow_writes; }
@@ -81,9 +84,9 @@ class RegisterBank {
   std::optional<ModbusException> refusal_of_command(std::uint16_t first,
                                                     std::span<const std::uint16_t> values) const noexcept;
   std::uint32_t connected_clients(MonoTime now) const noexcept;
+  void add_own_metrics(MonoTime now, MetricValues& metrics) const noexcept;
 
-  const LatestValue<Report>& reports_;
-  const LatestValue<Health>& health_;
+  const WireSource& source_;
   const ModbusOptions options_;
   const Clock clock_;
 

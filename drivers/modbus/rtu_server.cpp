@@ -115,7 +115,7 @@ RtuServer::~RtuServer() {
 
 void RtuServer::take_over_line() noexcept {
   fd_ = modbus_get_socket(line_.get());
-  open_ = true;
+  bank_.counters.serial_open = true;
   problem_.set("");
 }
 
@@ -131,9 +131,9 @@ void RtuServer::run() noexcept {
   for (;;) {
     if (!line_ && !reopen()) return;
     if (serve_until_lost() == LineState::kStopping) return;
-    open_ = false;
+    bank_.counters.serial_open = false;
     problem_.set(options_.device + ": the line is gone");
-    losses_.fetch_add(1, std::memory_order_relaxed);
+    bank_.counters.serial_losses.fetch_add(1, std::memory_order_relaxed);
     bank_.counters.bus_errors.fetch_add(1, std::memory_order_relaxed);
     bank_.client_left(session_);
     session_ = {};
@@ -253,9 +253,9 @@ RtuServer::LineState RtuServer::send(std::span<const std::uint8_t> frame) noexce
 void RtuServer::publish_counts() noexcept {
   const std::uint64_t broken = receiver_.broken_frames();
   bank_.counters.bus_errors.fetch_add(broken - counted_broken_, std::memory_order_relaxed);
+  bank_.counters.unreadable_frames.fetch_add(broken - counted_broken_, std::memory_order_relaxed);
   counted_broken_ = broken;
-  unreadable_.store(broken, std::memory_order_relaxed);
-  foreign_.store(receiver_.foreign_frames(), std::memory_order_relaxed);
+  bank_.counters.foreign_frames.store(receiver_.foreign_frames(), std::memory_order_relaxed);
 }
 
 void RtuServer::append_clients(std::vector<ConnectedClient>& clients) const {
@@ -264,13 +264,6 @@ void RtuServer::append_clients(std::vector<ConnectedClient>& clients) const {
   const MonoTime now = bank_.now();
   clients.push_back({fmt::format("{} unit {}", options_.device, options_.unit),
                      requests_.load(std::memory_order_relaxed), now - started_at_, now - mono_from_ns(heard_ns)});
-}
-
-void RtuServer::add_to(ModbusCounters& counters) const noexcept {
-  counters.foreign_frames += foreign_.load(std::memory_order_relaxed);
-  counters.unreadable_frames += unreadable_.load(std::memory_order_relaxed);
-  counters.serial_losses += losses_.load(std::memory_order_relaxed);
-  counters.serial_open = open_.load(std::memory_order_relaxed);
 }
 
 }  // namespace ninedot

@@ -33,7 +33,6 @@ class RtuServer {
   RtuServer& operator=(const RtuServer&) = delete;
 
   void append_clients(std::vector<ConnectedClient>& clients) const;
-  void add_to(ModbusCounters& counters) const noexcept;
   /// Why the line is not open; empty: it is. Any thread.
   std::string problem() const { return problem_.read(); }
 
@@ -73,8 +72,7 @@ class RtuServer {
   MonoTime echo_until_{};
 
   std::uint64_t counted_broken_ = 0;
-  std::atomic<std::uint64_t> requests_{0}, foreign_{0}, unreadable_{0}, losses_{0};
-  std::atomic<bool> open_{false};
+  std::atomic<std::uint64_t> requests_{0};
   const MonoTime started_at_;
   std::thread thread_;
 };

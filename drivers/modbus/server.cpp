@@ -2,9 +2,7 @@
 
 namespace ninedot {
 
-ModbusServer::ModbusServer(const LatestValue<Report>& reports, const LatestValue<Health>& health,
-                           const ModbusOptions& options)
-    : bank_(reports, health, options) {
+ModbusServer::ModbusServer(const WireSource& source, const ModbusOptions& options) : bank_(source, options) {
   if (options.tcp) tcp_.emplace(bank_, *options.tcp);
   if (options.rtu) rtu_.emplace(bank_, *options.rtu);
 }
@@ -17,13 +15,24 @@ std::vector<ConnectedClient> ModbusServer::clients() const {
 }
 
 ModbusCounters ModbusServer::counters() const noexcept {
+  const BankCounters& from = bank_.counters;
   ModbusCounters counters;
-  counters.requests = bank_.counters.requests.load(std::memory_order_relaxed);
-  counters.exceptions = bank_.counters.exceptions.load(std::memory_order_relaxed);
-  counters.bus_errors = bank_.counters.bus_errors.load(std::memory_order_relaxed);
-  if (tcp_) tcp_->add_to(counters);
-  if (rtu_) rtu_->add_to(counters);
+  counters.requests = from.requests.load(std::memory_order_relaxed);
+  counters.exceptions = from.exceptions.load(std::memory_order_relaxed);
+  counters.bus_errors = from.bus_errors.load(std::memory_order_relaxed);
+  counters.connections = from.connections.load(std::memory_order_relaxed);
+  counters.refused_connections = from.connections_refused.load(std::memory_order_relaxed);
+  counters.expired_connections = from.connections_expired.load(std::memory_order_relaxed);
+  counters.unreadable_frames = from.unreadable_frames.load(std::memory_order_relaxed);
+  counters.foreign_frames = from.foreign_frames.load(std::memory_order_relaxed);
+  counters.serial_losses = from.serial_losses.load(std::memory_order_relaxed);
+  counters.serial_open = from.serial_open.load(std::memory_order_relaxed);
   return counters;
+}
+
+RegisterBlock ModbusServer::registers() noexcept {
+  ClientSession nobody;
+  return bank_.read(nobody);
 }
 
 }  // namespace ninedot

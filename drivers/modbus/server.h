@@ -1,27 +1,26 @@
 #pragma once
-/// The Modbus side of the service: TCP, RTU or both, from two mailboxes.
+/// The Modbus side of the service: TCP, RTU or both, from one source.
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "base/latest_value.h"
 #include "drivers/modbus/command.h"
 #include "drivers/modbus/counters.h"
 #include "drivers/modbus/options.h"
 #include "drivers/modbus/register_bank.h"
 #include "drivers/modbus/rtu_server.h"
 #include "drivers/modbus/tcp_server.h"
-#include "proto/report.h"
+#include "proto/wire_report.h"
 
 namespace ninedot {
 
-/// Serves from construction to destruction, in a thread of its own per transport; the frame loop only ever publishes
-/// into the mailboxes. The mailboxes must outlive it.
+/// Serves from construction to destruction, in a thread of its own per transport; nobody waits for those but clients.
 class ModbusServer {
  public:
   /// Throws StartupError where an address can't be used or a setting is of no serial line; see TcpServer and RtuServer.
-  ModbusServer(const LatestValue<Report>& reports, const LatestValue<Health>& health, const ModbusOptions& options);
+  /// \param source  must outlive the servers
+  ModbusServer(const WireSource& source, const ModbusOptions& options);
 
   /// The port that TCP listens on, 0 without TCP.
   std::uint16_t tcp_port() const noexcept { return tcp_ ? tcp_->port() : 0; }
@@ -29,6 +28,8 @@ class ModbusServer {
   /// Who is connected now; a serial line that has brought a request counts as a client.
   std::vector<ConnectedClient> clients() const;
   ModbusCounters counters() const noexcept;
+  /// The map as a client that asks now and holds nothing reads it. Threads: any.
+  RegisterBlock registers() noexcept;
   /// See RtuServer::problem; empty without a serial line, too.
   std::string serial_problem() const { return rtu_ ? rtu_->problem() : std::string(); }
   /// See TcpServer::last_refusal.

@@ -145,7 +145,7 @@ void TcpServer::serve_round() noexcept {
     const TcpConnection::Outcome outcome = clients_[i]->serve(bank_, events);
     if (outcome == TcpConnection::Outcome::kProtocolError) {
       bank_.counters.bus_errors.fetch_add(1, std::memory_order_relaxed);
-      unreadable_.fetch_add(1, std::memory_order_relaxed);
+      bank_.counters.unreadable_frames.fetch_add(1, std::memory_order_relaxed);
     }
     if (outcome != TcpConnection::Outcome::kOpen) drop(i);
   }
@@ -164,7 +164,7 @@ void TcpServer::drop_expired(MonoTime now) noexcept {
   for (std::size_t i = clients_.size(); i-- > 0;) {
     if (!clients_[i]->is_expired(now, options_.idle_timeout)) continue;
     drop(i);
-    expired_.fetch_add(1, std::memory_order_relaxed);
+    bank_.counters.connections_expired.fetch_add(1, std::memory_order_relaxed);
   }
 }
 
@@ -175,7 +175,7 @@ bool TcpServer::make_room(MonoTime now) noexcept {
   });
   if (silent == clients_.end()) return false;
   drop(static_cast<std::size_t>(silent - clients_.begin()));
-  expired_.fetch_add(1, std::memory_order_relaxed);
+  bank_.counters.connections_expired.fetch_add(1, std::memory_order_relaxed);
   return true;
 }
 
@@ -201,13 +201,13 @@ void TcpServer::accept_clients(MonoTime now) noexcept {
     }
     tune(fd.get());
     clients_.push_back(std::make_unique<TcpConnection>(std::move(fd), peer_text(peer), now));
-    accepted_.fetch_add(1, std::memory_order_relaxed);
+    bank_.counters.connections.fetch_add(1, std::memory_order_relaxed);
     bank_.counters.tcp_clients.store(static_cast<std::uint32_t>(clients_.size()), std::memory_order_relaxed);
   }
 }
 
 void TcpServer::note_refused(const sockaddr_storage& peer, const char* why) noexcept {
-  refused_.fetch_add(1, std::memory_order_relaxed);
+  bank_.counters.connections_refused.fetch_add(1, std::memory_order_relaxed);
   last_refused_ = peer;
   why_refused_ = why;
 }
@@ -222,13 +222,6 @@ void TcpServer::append_clients(std::vector<ConnectedClient>& clients) const {
   const MonoTime now = bank_.now();
   for (const auto& client : clients_)
     clients.push_back({client->address, client->requests, now - client->opened_at, now - client->last_request_at});
-}
-
-void TcpServer::add_to(ModbusCounters& counters) const noexcept {
-  counters.connections += accepted_.load(std::memory_order_relaxed);
-  counters.unreadable_frames += unreadable_.load(std::memory_order_relaxed);
-  counters.refused_connections += refused_.load(std::memory_order_relaxed);
-  counters.expired_connections += expired_.load(std::memory_order_relaxed);
 }
 
 }  // namespace ninedot

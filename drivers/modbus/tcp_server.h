@@ -32,7 +32,6 @@ class TcpServer {
 
   std::uint16_t port() const noexcept { return port_; }
   void append_clients(std::vector<ConnectedClient>& clients) const;
-  void add_to(ModbusCounters& counters) const noexcept;
   /// The client that was refused last and why: "10.0.0.9:40012 is not on the list `allow`"; empty: none was. Any
   /// thread.
   std::string last_refusal() const;
@@ -61,7 +60,6 @@ class TcpServer {
   std::vector<std::unique_ptr<TcpConnection>> clients_;
   sockaddr_storage last_refused_{};
   const char* why_refused_ = "";
-  std::atomic<std::uint64_t> accepted_{0}, refused_{0}, expired_{0}, unreadable_{0};
   std::thread thread_;
 };
 

@@ -32,7 +32,7 @@ constexpr std::size_t kThreadStack_bytes = std::size_t{1024} * 1024;
 
 int RealtimeThread::enter() noexcept {
   touch_stack();
-  pthread_setname_np(pthread_self(), "frames");
+  pthread_setname_np(pthread_self(), name_);
   if (priority_ == 0) return ECANCELED;
   sched_param wanted{};
   wanted.sched_priority = priority_;

@@ -5,11 +5,12 @@
 
 namespace ninedot {
 
-/// Runs the frame loop's thread under SCHED_FIFO.
+/// Runs a thread under SCHED_FIFO: the frame loop's, and those that wait for it.
 class RealtimeThread final : public FrameThread {
  public:
-  /// \param priority  1..99, or 0: ordinary scheduling, no complaint from the kernel expected. Threads: any.
-  explicit RealtimeThread(int priority) noexcept : priority_(priority) {}
+  /// \param priority  1..99, or 0: ordinary scheduling, no complaint from the kernel expected.
+  /// \param name  of the thread, at most 15 characters; must outlive this. Threads: any.
+  explicit RealtimeThread(int priority, const char* name = "frames") noexcept : priority_(priority), name_(name) {}
 
   /// Threads: the one that is to become a real-time one, once, before its work begins.
   /// \return  0, or an errno: EPERM where neither CAP_SYS_NICE nor RLIMIT_RTPRIO allows it; ECANCELED for priority 0.
@@ -17,6 +18,7 @@ class RealtimeThread final : public FrameThread {
 
  private:
   int priority_;
+  const char* name_;
 };
 
 /// Keeps all pages of this process in memory. Pages to come are included where that cannot make a later allocation

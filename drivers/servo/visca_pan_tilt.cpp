@@ -168,6 +168,7 @@ HeadState ViscaPanTilt::state() const noexcept {
   state.angles.tilt_rad = axes_.tilt.angle_at(static_cast<std::int16_t>(word & 0xFFFFU));
   state.limited = limited_;
   state.failed = failed_.load(std::memory_order_acquire);
+  state.losses = static_cast<std::uint32_t>(losses());
   return state;
 }
 

@@ -52,41 +52,29 @@ HeadAngles angles_towards(const Eigen::Vector3d& target_camera, const Eigen::Vec
   return goal;
 }
 
-Aimer::Aimer(const CameraModel& camera, const AimOptions& options) noexcept
-    : options_(options), centre_camera_(0, 0, 1), command_(options.neutral) {
+Aimer::Aimer(const CameraModel& camera, const AimOptions& options, const HeadAngles& head) noexcept
+    : options_(options), centre_camera_(0, 0, 1), command_(options.neutral), track_(head) {
   EXPECTS(is_axis(options.pan) && is_axis(options.tilt));
   EXPECTS(options.gain > 0 && options.gain <= 1 && options.dead_band_rad >= 0);
   if (const auto middle = camera.normalised_from_pixel({(camera.width_px - 1) / 2.0, (camera.height_px - 1) / 2.0}))
     centre_camera_ = middle->homogeneous();
 }
 
-HeadAngles Aimer::head_at(MonoTime time) const noexcept {
-  HeadAngles head = past_[newest_].head;
-  for (std::size_t back = 0; back < past_.size(); ++back) {
-    const Past& past = past_[(newest_ + past_.size() - back) % past_.size()];
-    if (past.at == MonoTime{}) break;  // no more is remembered
-    head = past.head;
-    if (past.at <= time) break;
-  }
-  return head;
-}
-
 AimStep Aimer::step(MonoTime now, const HeadAngles& head, const AimSight& sight, const AimOrder& order,
                     bool inhibited) noexcept {
-  newest_ = (newest_ + 1) % past_.size();
-  past_[newest_] = {now, head};
+  track_.add(now, head);
   const bool is_first = stepped_at_ == MonoTime{};
   const double step_s =
       is_first ? 0 : std::clamp(std::chrono::duration<double>(now - stepped_at_), {}, kLongestStep).count();
   stepped_at_ = now;
   if (inhibited) {
     command_ = head;
-    return {command_, false};
+    return {command_, false, false};
   }
-  if (order.follow && !sight.valid) return {command_, false};
+  if (order.follow && !sight.valid) return {command_, false, false};
 
   const HeadAngles wanted = order.follow
-                                ? angles_towards(sight.landmark_camera_m, centre_camera_, head_at(sight.exposed_at))
+                                ? angles_towards(sight.landmark_camera_m, centre_camera_, track_.at(sight.exposed_at))
                                 : order.set_point;
   const HeadAngles goal{std::clamp(wanted.pan_rad, options_.pan.min_rad, options_.pan.max_rad),
                         std::clamp(wanted.tilt_rad, options_.tilt.min_rad, options_.tilt.max_rad)};
@@ -95,7 +83,8 @@ AimStep Aimer::step(MonoTime now, const HeadAngles& head, const AimSight& sight,
   const double dead_band_rad = order.follow ? options_.dead_band_rad : 0;
   command_.pan_rad = approach(command_.pan_rad, goal.pan_rad, part, dead_band_rad, options_.pan, step_s);
   command_.tilt_rad = approach(command_.tilt_rad, goal.tilt_rad, part, dead_band_rad, options_.tilt, step_s);
-  return {command_, goal.pan_rad != wanted.pan_rad || goal.tilt_rad != wanted.tilt_rad};
+  return {command_, goal.pan_rad != wanted.pan_rad || goal.tilt_rad != wanted.tilt_rad,
+          command_.pan_rad == goal.pan_rad && command_.tilt_rad == goal.tilt_rad};
 }
 
 }  // namespace ninedot

@@ -3,9 +3,9 @@
 ///
 /// This is the plain step that a visual-servoing controller replaces later: what it is told and what it answers stay.
 #include <Eigen/Geometry>
-#include <array>
-#include <cstddef>
+#include <cstdint>
 
+#include "aim/head_track.h"
 #include "base/head_angles.h"
 #include "base/mono_time.h"
 #include "geometry/camera_model.h"
@@ -28,6 +28,8 @@ struct AimOptions {
 struct AimOrder {
   bool follow = true;    ///< keep the landmark in the middle; else go to `set_point` and stay there
   HeadAngles set_point;  ///< saturates at the limits
+  /// Another one for each order; 0: what the head does from the start on, nobody waits for it.
+  std::uint32_t number = 0;
 };
 
 /// The landmark in one frame.
@@ -40,6 +42,7 @@ struct AimSight {
 struct AimStep {
   HeadAngles command;    ///< within the limits
   bool limited = false;  ///< the goal lies beyond the limits
+  bool at_goal = false;  ///< the command is the goal itself, or as near as the limits allow
 };
 
 /// The head's angles at which the direction `target_camera`, seen while the head stood at `head`, coincides with the
@@ -54,7 +57,8 @@ HeadAngles angles_towards(const Eigen::Vector3d& target_camera, const Eigen::Vec
 /// others want of the head reaches it as the AimOrder of a step.
 class Aimer {
  public:
-  Aimer(const CameraModel& camera, const AimOptions& options) noexcept;
+  /// \param head  where the head stands at the start, and has always stood
+  Aimer(const CameraModel& camera, const AimOptions& options, const HeadAngles& head = {}) noexcept;
 
   /// To be called once per frame, also without a landmark.
   /// \param head  where the head stands now. It is remembered: a frame was exposed some time ago, and counts from where
@@ -63,21 +67,15 @@ class Aimer {
   AimStep step(MonoTime now, const HeadAngles& head, const AimSight& sight, const AimOrder& order,
                bool inhibited) noexcept;
 
-  /// Where the head stood then, as far as step() was told; the oldest that is remembered for times before.
-  HeadAngles head_at(MonoTime time) const noexcept;
+  /// Where the head has stood, as far as step() was told.
+  const HeadTrack& track() const noexcept { return track_; }
 
  private:
-  struct Past {
-    MonoTime at{};
-    HeadAngles head;
-  };
-
   AimOptions options_;
   Eigen::Vector3d centre_camera_;  // the direction of the picture's middle
   HeadAngles command_;
   MonoTime stepped_at_{};
-  std::array<Past, 32> past_{};  // 0.9 s of frames at 35 Hz: longer than any latency that a pose may be used with
-  std::size_t newest_ = 0;
+  HeadTrack track_;
 };
 
 }  // namespace ninedot

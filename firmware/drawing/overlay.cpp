@@ -216,7 +216,7 @@ void draw_nothing_found(Canvas& canvas, const Report& report) {
   band *= 0.25;
   draw_text(band, report.found ? "no pose" : "no landmark", Vector2(size.width / 2.0, 21 * unit_px), 13 * unit_px,
             {255, 110, 110}, Align::kCentre, true);
-  draw_text(band, reason_text(report.reason), Vector2(size.width / 2.0, 38 * unit_px), 8 * unit_px, kText,
+  draw_text(band, std::string(reason_label(report.reason)), Vector2(size.width / 2.0, 38 * unit_px), 8 * unit_px, kText,
             Align::kCentre, true);
 }
 

@@ -7,7 +7,7 @@
 #include "geometry/camera_model.h"
 #include "geometry/landmark.h"
 #include "image/image_view.h"
-#include "proto/report.h"
+#include "report/report.h"
 
 namespace ninedot {
 

@@ -120,30 +120,6 @@ void draw_key(cv::Mat& panel, double unit_px) {
 
 }  // namespace
 
-const char* reason_text(Reason reason) noexcept {
-  switch (reason) {
-    case Reason::kNone:
-      return "the pose is valid";
-    case Reason::kStarting:
-      return "no frame has been processed yet";
-    case Reason::kNoLandmark:
-      return "the frame shows no landmark";
-    case Reason::kPoseDegenerate:
-      return "what is visible determines no pose";
-    case Reason::kCameraLost:
-      return "the camera vanished or stalled";
-    case Reason::kFrameSize:
-      return "the frame is not of the calibration's size";
-    case Reason::kFrameUnreadable:
-      return "the picture could not be read";
-    case Reason::kStopped:
-      return "the source is over";
-    case Reason::kStale:
-      return "the pose is too old";
-  }
-  return "unknown reason";
-}
-
 void draw_panel(cv::Mat& panel, const Report& report, double unit_px) {
   panel.setTo(kBacking);
   draw_verdict(panel, report, unit_px);
@@ -151,7 +127,7 @@ void draw_panel(cv::Mat& panel, const Report& report, double unit_px) {
   if (report.valid) {
     draw_pose_rows(rows, report);
   } else {
-    rows.line(reason_text(report.reason), kText);
+    rows.line(std::string(reason_label(report.reason)), kText);
     rows.gap();
   }
   draw_process_row(rows, report);

@@ -2,7 +2,7 @@
 /// The panel of numbers beside an overlay picture.
 #include <opencv2/core.hpp>
 
-#include "proto/report.h"
+#include "report/report.h"
 
 namespace ninedot::overlay {
 
@@ -11,9 +11,6 @@ inline constexpr double kPanelWidth_units = 440, kPanelHeight_units = 960;
 
 /// Where the magnified cut-out of a small landmark goes: a square, the panel's width without the margins of its text.
 inline constexpr double kInsetLeft_units = 30, kInsetTop_units = 468, kInsetSide_units = 380;
-
-/// What the report says in one line, for the reader who sees no landmark marked.
-const char* reason_text(Reason reason) noexcept;
 
 /// Fills `panel` (CV_8UC3, red green blue) with the verdict, the numbers and the key to the colours.
 /// \param unit_px  pixels of one unit

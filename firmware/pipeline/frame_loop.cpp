@@ -5,15 +5,14 @@
 
 #include <latch>
 #include <limits>
-#include <utility>
 
 #include "pipeline/next_report.h"
 #include "pipeline/report_reason.h"
 
 namespace ninedot {
 
-FrameLoop::FrameLoop(FrameSource& source, FrameProcessor& processor, LatestValue<Report>& reports,
-                     LatestValue<Health>& health, const FrameLoopOptions& options)
+FrameLoop::FrameLoop(FrameSource& source, FrameProcessor& processor, Mailbox<Report>& reports, Mailbox<Health>& health,
+                     const FrameLoopOptions& options)
     : source_(source),
       processor_(processor),
       reports_(reports),
@@ -24,7 +23,6 @@ FrameLoop::FrameLoop(FrameSource& source, FrameProcessor& processor, LatestValue
       temperature_degC_(std::numeric_limits<double>::quiet_NaN()) {
   health_.started_at = last_frame_at_;
   health_.memory_locked = options.memory_locked;
-  health_.temperature_degC = std::numeric_limits<double>::quiet_NaN();
   reports_.publish(report_);
   healths_.publish(health_);
 }
@@ -37,8 +35,8 @@ int FrameLoop::start(FrameThread& thread) {
     health_.realtime = refused_errno == 0;
     publish_health(mono_now());
     entered.count_down();
-    while (!stop.stop_requested() && step()) {
-    }
+    // Also when the source is over: the head goes on, and the rate falls to 0.
+    while (!stop.stop_requested()) step();
   });
   entered.wait();
   return refused_errno;
@@ -53,91 +51,83 @@ void FrameLoop::stop() noexcept {
 bool FrameLoop::step() noexcept {
   turns_.fetch_add(1, std::memory_order_relaxed);
   const MonoTime asked_at = mono_now();
-  {
+  if (over()) {
+    std::this_thread::sleep_until(asked_at + options_.wait);
+    look_at_head();
+    on_no_news();
+  } else {
     const Result<FrameLease> lease = source_.next(asked_at + options_.wait);
     if (lease)
       on_frame(*lease);
     else
       on_failure(lease.error(), asked_at);
   }
-  if (options_.head != nullptr) options_.head->move();
   const MonoTime now = mono_now();
   if (now - health_at_ >= options_.health_period || report_.reason != published_reason_) publish_health(now);
   return !over();
 }
 
 void FrameLoop::on_frame(const FrameLease& lease) noexcept {
-  health_.frames_dropped += lease.dropped_before;
-  report_ = next_report(report_, lease.frame, processor_.process(lease.frame));
-  if (options_.head != nullptr) options_.head->aim(mono_now(), report_);
+  const Fix& fix = processor_.process(lease.frame);
+  look_at_head();
   last_frame_at_ = mono_now();
-  if (report_.reason == Reason::kFrameSize) {
-    ++health_.frames_failed;
-    publish();
-    return;
-  }
-  report_.latency = mono_now() - lease.frame.exposed_at();
-  publish();
+  publish(next_report(report_, lease.frame, fix, {mono_now(), head_, lease.dropped_before}));
+  if (report_.reason == Reason::kFrameSize) return;
   latency_.add(report_.latency);
-  ++health_.frames_processed;
   frames_processed_.fetch_add(1, std::memory_order_relaxed);
 }
 
 void FrameLoop::on_failure(const Error& error, MonoTime asked_at) noexcept {
+  look_at_head();
   const MonoTime now = mono_now();
   if (error.code == Errc::kNoFrame) {
-    if (now - last_frame_at_ < options_.stall_after || report_.reason == Reason::kCameraLost) return aim_blindly(now);
+    if (now - last_frame_at_ < options_.stall_after || report_.reason == Reason::kCameraLost) return on_no_news();
     last_error_.publish(Error{Errc::kCameraLost, 0, "the camera delivers no frames"});
-    mark_invalid(Reason::kCameraLost, report_);
-    aim_blindly(now);
-    publish();
-    return;
+    return publish(report_of_failure(report_, Reason::kCameraLost, {now, head_}));
   }
-  if (error.code == Errc::kFrameUnreadable || error.code == Errc::kFrameSize) {
-    ++health_.frames_failed;
-    last_frame_at_ = now;
-  }
+  if (error.code == Errc::kFrameUnreadable || error.code == Errc::kFrameSize) last_frame_at_ = now;
   last_error_.publish(error);
-  mark_invalid(reason_of(error.code), report_);
-  aim_blindly(now);
-  publish();
+  publish(report_of_failure(report_, reason_of(error.code), {now, head_}));
   if (error.code == Errc::kEndOfStream)
     over_.store(true, std::memory_order_relaxed);
   else
     std::this_thread::sleep_until(asked_at + options_.failure_pause);
 }
 
-void FrameLoop::aim_blindly(MonoTime now) noexcept {
-  if (options_.head == nullptr) return;
-  // The report may still be that of a frame long processed: nothing may be followed by it.
-  const bool valid = std::exchange(report_.valid, false);
-  options_.head->aim(now, report_);
-  report_.valid = valid;
+void FrameLoop::look_at_head() noexcept { head_ = options_.head != nullptr ? &options_.head->take() : nullptr; }
+
+void FrameLoop::on_no_news() noexcept {
+  // A valid report shows the head of its exposure; it does not become another one afterwards.
+  if (head_ == nullptr || report_.valid) return;
+  const Report report = report_of_head(report_, {mono_now(), head_});
+  if (report.head != report_.head) publish(report);
 }
 
-void FrameLoop::publish() noexcept {
-  report_.published_at = mono_now();
+void FrameLoop::publish(const Report& report) noexcept {
+  report_ = report;
   reports_.publish(report_);
 }
 
 void FrameLoop::publish_health(MonoTime now) noexcept {
   const std::chrono::duration<double> elapsed_s = now - health_at_;
   if (now - health_at_ >= options_.health_period) {
-    health_.frame_rate_hz = (health_.frames_processed - processed_at_health_) / elapsed_s.count();
+    health_.frame_rate_hz = (report_.frames.processed - processed_at_health_) / elapsed_s.count();
     health_at_ = now;
-    processed_at_health_ = health_.frames_processed;
+    health_.rate_holds_until = now + 2 * options_.health_period;
+    processed_at_health_ = report_.frames.processed;
   }
+  health_.has_latency = report_.frames.processed != 0;
   health_.latency_median = latency_.quantile(0.5);
   health_.latency_p99 = latency_.quantile(0.99);
   health_.latency_p999 = latency_.quantile(0.999);
   health_.latency_max = latency_.max();
   const SourceCounters counters = source_.counters();
   health_.camera_restarts = counters.restarts;
-  health_.frames_failed += counters.flagged - std::exchange(flagged_at_health_, counters.flagged);
-  if (options_.head != nullptr) {
-    const HeadState head = options_.head->state();
-    health_.pulse_error_p99 = head.pulse_error_p99;
-    health_.pulse_error_max = head.pulse_error_max;
+  health_.frames_flagged = counters.flagged;
+  if (head_ != nullptr) {
+    health_.head_losses = head_->losses;
+    health_.pulse_error_p99 = head_->pulse_error_p99;
+    health_.pulse_error_max = head_->pulse_error_max;
   }
   health_.temperature_degC = temperature_degC_.load(std::memory_order_relaxed);
   published_reason_ = report_.reason;

@@ -8,7 +8,7 @@
 #include "detect/observation.h"
 #include "image/frame.h"
 #include "pose/estimate.h"
-#include "proto/report.h"
+#include "report/report.h"
 
 namespace ninedot {
 
@@ -36,6 +36,7 @@ struct Fix {
   /// The landmarks that gave a pose, the one that counts first; at most one as yet.
   InlineVector<LandmarkFix, kMaxLandmarksInView> landmarks;
   std::chrono::nanoseconds process_time{};
+  WorkCounts work;  ///< of all frames since the start, whatever `reason` says
 
   /// \pre reason == kNone (contract)
   const LandmarkFix& main() const noexcept { return landmarks[0]; }

@@ -1,6 +1,6 @@
 #include "pipeline/next_report.h"
 
-#include "pipeline/report_reason.h"
+#include "base/contract.h"
 
 namespace ninedot {
 namespace {
@@ -32,17 +32,34 @@ void fill_pose(const LandmarkFix& fix, Report& report) noexcept {
   report.deviation_rad = pose.ellipse.deviation_rad;
 }
 
+/// \param exposed_at  of a valid pose: where the head stood then; null: where it stands now
+void fill_head(const HeadSnapshot& head, const MonoTime* exposed_at, Report& report) noexcept {
+  const HeadAngles angles = exposed_at != nullptr ? head.track.at(*exposed_at) : head.track.newest();
+  report.head = {true,        angles.pan_rad, angles.tilt_rad, head.limited,
+                 head.failed, head.inhibited, head.order,      head.progress};
+}
+
+void mark_invalid(Reason reason, Report& report) noexcept {
+  report.valid = report.found = report.tracking = false;
+  report.quality = 0;
+  report.reason = reason;
+}
+
 }  // namespace
 
-Report next_report(const Report& before, const Frame& frame, const Fix& fix) noexcept {
+Report next_report(const Report& before, const Frame& frame, const Fix& fix, const ReportContext& context) noexcept {
   Report report = before;
-  ++report.heartbeat;
+  ++(fix.reason == Reason::kFrameSize ? report.frames.failed : report.frames.processed);
+  report.frames.dropped += context.dropped_before;
+  report.frames.work = fix.work;
   report.frame_number = frame.number;
   report.calibrated = fix.calibrated;
   report.solver = fix.solver;
+  const MonoTime exposed_at = frame.exposed_at();
   if (fix.reason == Reason::kNone) {
     fill_pose(fix.main(), report);
-    report.exposed_at = frame.exposed_at();
+    report.has_pose = true;
+    report.exposed_at = exposed_at;
     ++report.pose_sequence;
     report.valid = true;
     report.reason = Reason::kNone;
@@ -52,9 +69,33 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix) noe
   report.found = fix.found;
   report.tracking = fix.tracked;
   report.process_time = fix.process_time;
-  const HeadAngles head = frame.head.value_or(HeadAngles{});
-  report.pan_rad = head.pan_rad;
-  report.tilt_rad = head.tilt_rad;
+  if (context.head != nullptr) {
+    fill_head(*context.head, report.valid ? &exposed_at : nullptr, report);
+  } else {
+    const HeadAngles recorded = frame.head.value_or(HeadAngles{});
+    report.head.pan_rad = recorded.pan_rad;
+    report.head.tilt_rad = recorded.tilt_rad;
+  }
+  report.published_at = context.now;
+  if (fix.reason != Reason::kFrameSize) report.latency = context.now - exposed_at;
+  return report;
+}
+
+Report report_of_failure(const Report& before, Reason reason, const ReportContext& context) noexcept {
+  EXPECTS(reason != Reason::kNone);
+  Report report = before;
+  mark_invalid(reason, report);
+  if (reason == Reason::kFrameSize || reason == Reason::kFrameUnreadable) ++report.frames.failed;
+  if (context.head != nullptr) fill_head(*context.head, nullptr, report);
+  report.published_at = context.now;
+  return report;
+}
+
+Report report_of_head(const Report& before, const ReportContext& context) noexcept {
+  EXPECTS(!before.valid);
+  Report report = before;
+  if (context.head != nullptr) fill_head(*context.head, nullptr, report);
+  report.published_at = context.now;
   return report;
 }
 

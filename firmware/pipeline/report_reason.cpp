@@ -22,12 +22,4 @@ Reason reason_of(Errc code) noexcept {
   return Reason::kCameraLost;
 }
 
-void mark_invalid(Reason reason, Report& report) noexcept {
-  report.valid = false;
-  report.found = false;
-  report.tracking = false;
-  report.quality = 0;
-  report.reason = reason;
-}
-
 }  // namespace ninedot

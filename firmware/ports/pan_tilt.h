@@ -1,6 +1,7 @@
 #pragma once
 /// The pan/tilt head. Implemented in drivers/servo.
 #include <chrono>
+#include <cstdint>
 
 #include "base/head_angles.h"
 
@@ -13,6 +14,7 @@ struct HeadState {
   bool failed = false;   ///< the newest command could not be carried out, or the head does not answer
   /// How far the widths of software-made pulses are off; 0 where hardware makes them.
   std::chrono::nanoseconds pulse_error_p99{}, pulse_error_max{};
+  std::uint32_t losses = 0;  ///< how often the head fell silent or its line vanished
 };
 
 /// The constructor brings the head to its neutral position. Memory: none after construction.

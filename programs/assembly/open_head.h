@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "config/config.h"
-#include "pipeline/head_control.h"
+#include "outputs/head_output.h"
 #include "programs/assembly/watched_device.h"
 
 namespace ninedot {
@@ -18,7 +18,7 @@ struct OpenedHead {
   std::unique_ptr<DigitalOutput> status_led;  ///< null: none is configured
   std::unique_ptr<DigitalInput> inhibit;      ///< null: none is configured
   std::unique_ptr<PanTilt> servos;       ///< null: driver "none". With their power, which goes on last and off first
-  std::unique_ptr<HeadControl> control;  ///< null: driver "none"
+  std::unique_ptr<HeadOutput> output;  ///< null: driver "none"
   /// Power with driver "none", to be set again and again; else null.
   std::unique_ptr<DigitalOutput> lone_power;
   std::vector<WatchedDevice> devices;  ///< those above that are configured

@@ -5,12 +5,10 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
-#include <utility>
 
 #include "base/startup_error.h"
 #include "programs/commands/commands.h"
@@ -21,9 +19,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kAnswerTakes = 2s;  // from the command to its acknowledge
-constexpr int kStandsStill = 20;   // reads, 50 ms apart: heads on serial lines tell where they stand ten times a second
-constexpr double kThere_deg = 0.15;  // the registers' own step is 0.01 deg; servos are calibrated no better
+constexpr auto kFollowingTakes = 5s;  // at most; a head that answers follows at the next frame
+constexpr auto kBetweenReads = 50ms;
 
 struct AimArguments {
   std::string host = "127.0.0.1";
@@ -33,59 +30,57 @@ struct AimArguments {
   double wait_s = 10;
 };
 
-void send(ServiceClient& service, const AimArguments& arguments, const RegisterReader& before) {
+/// \return  the sequence number by which its result is known
+std::uint16_t send(ServiceClient& service, const AimArguments& arguments, const RegisterReader& before) {
   const auto set_point = [&](std::uint16_t address, const std::optional<double>& wanted_deg, std::uint16_t now) {
     std::array<std::uint16_t, 1> word{};
     encode_value(*find_register(address), wanted_deg.value_or(before.value(now)), {}, word);
     return word[0];
   };
+  const auto sequence = static_cast<std::uint16_t>(before.integer(reg::kCommandSequence) + 1);
   if (!arguments.follow) {
     const std::array<std::uint16_t, 2> points{set_point(reg::kPanSetPoint, arguments.pan_deg, reg::kPan),
                                               set_point(reg::kTiltSetPoint, arguments.tilt_deg, reg::kTilt)};
     service.write(reg::kPanSetPoint, points);
   }
-  const auto sequence = static_cast<std::uint16_t>(before.integer(reg::kCommandSequence) + 1);
   const auto code = static_cast<std::uint16_t>(arguments.follow ? Command::kFollow : Command::kPoint);
   service.write(reg::kCommand, std::array<std::uint16_t, 2>{code, sequence});
-  const auto until = std::chrono::steady_clock::now() + kAnswerTakes;
-  while (service.read().integer(reg::kCommandAcknowledge) != sequence) {
-    if (std::chrono::steady_clock::now() > until) service.fail("the command was taken, but is not finished");
-    std::this_thread::sleep_for(20ms);
-  }
-}
-
-bool is_there(const RegisterReader& r, const AimArguments& arguments) {
-  const auto is_near = [&](std::uint16_t address, const std::optional<double>& wanted_deg) {
-    return !wanted_deg || std::abs(r.value(address) - *wanted_deg) <= kThere_deg;
-  };
-  return is_near(reg::kPan, arguments.pan_deg) && is_near(reg::kTilt, arguments.tilt_deg);
+  return sequence;
 }
 
 std::string place_text(const RegisterReader& r) {
   return fmt::format("pan {:.2f} deg, tilt {:.2f} deg", r.value(reg::kPan), r.value(reg::kTilt));
 }
 
-void wait_until_there(ServiceClient& service, const AimArguments& arguments) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(arguments.wait_s);
+std::string failure_text(const RegisterReader& r, bool is_over) {
+  const std::string place = fmt::format("the head stands at {}", place_text(r));
+  if (r.status(status_bit::kInhibited)) return place + ": the inhibit input keeps it there";
+  if (r.status(status_bit::kServoFault)) return place + ": it does not answer";
+  if (r.status(status_bit::kServoLimit)) return place + ", the end of its range";
+  return place + (is_over ? " and did not get there" : " and is not there yet");
+}
+
+/// Shows on a terminal where the head stands meanwhile. Throws StartupError: failed, superseded, or too late.
+RegisterReader wait_until_done(ServiceClient& service, std::uint16_t sequence, std::chrono::duration<double> wait) {
+  const auto until = std::chrono::steady_clock::now() + wait;
   const bool is_terminal = ::isatty(STDERR_FILENO) != 0;
-  std::string before;
-  int stood_still = 0;  // reads in a row
+  const auto clear = [is_terminal] {
+    if (is_terminal) fmt::print(stderr, "\r{:40}\r", "");
+  };
   for (;;) {
     const RegisterReader r = service.read();
-    stood_still = place_text(r) == std::exchange(before, place_text(r)) ? stood_still + 1 : 0;
     if (is_terminal) fmt::print(stderr, "\r{}   ", place_text(r));
-    const bool arrived = is_there(r, arguments),
-               is_at_end = r.status(status_bit::kServoLimit) && stood_still >= kStandsStill,
-               late = is_at_end || std::chrono::steady_clock::now() > until;
-    if (is_terminal && (arrived || late)) fmt::print(stderr, "\r{:40}\r", "");
-    if (arrived) return fmt::print("{}\n", place_text(r));
-    if (late)
-      service.fail(fmt::format("the head stands at {}{}", place_text(r),
-                               r.status(status_bit::kInhibited)    ? ": the inhibit input keeps it there"
-                               : r.status(status_bit::kServoFault) ? ": it does not answer"
-                               : r.status(status_bit::kServoLimit) ? ", the end of its range"
-                                                                   : " and is not there yet"));
-    std::this_thread::sleep_for(50ms);
+    const auto result = static_cast<CommandResult>(r.integer(reg::kCommandResult));
+    const bool is_ours = r.integer(reg::kCommandSequence) == sequence;
+    const bool is_over = result != CommandResult::kRunning;
+    if (is_ours && !is_over && std::chrono::steady_clock::now() < until) {
+      std::this_thread::sleep_for(kBetweenReads);
+      continue;
+    }
+    clear();
+    if (!is_ours) service.fail("another client's command took the place of this one");
+    if (result != CommandResult::kDone) service.fail(failure_text(r, is_over));
+    return r;
   }
 }
 
@@ -97,9 +92,13 @@ void run_aim(const AimArguments& arguments) {
   if (!before.status(status_bit::kHasHead)) service.fail("the service has no head: set pan_tilt.driver");
   if (!before.status(status_bit::kWritesEnabled))
     service.fail("the service takes no commands: set modbus.allow_writes = true");
-  send(service, arguments, before);
-  if (arguments.follow) return fmt::print("the head follows the landmark\n");
-  if (arguments.wait_s > 0) wait_until_there(service, arguments);
+  const std::uint16_t sequence = send(service, arguments, before);
+  if (arguments.follow) {
+    wait_until_done(service, sequence, kFollowingTakes);
+    return fmt::print("the head follows the landmark\n");
+  }
+  if (arguments.wait_s <= 0) return;
+  fmt::print("{}\n", place_text(wait_until_done(service, sequence, std::chrono::duration<double>(arguments.wait_s))));
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "drivers/picture/picture_file.h"
 #include "drivers/posix/output_file.h"
 #include "drivers/recording/recording_source.h"
+#include "outputs/wire_output.h"
 #include "pipeline/localiser.h"
 #include "pipeline/next_report.h"
 #include "programs/assembly/input_files.h"
@@ -113,7 +114,10 @@ class PoseRows {
   PoseRows(const std::string& path, bool tum) : file_(path), tum_(tum) {
     if (!tum_) file_.write(pose_csv_header());
   }
-  void add(const Report& report) { file_.write(tum_ ? format_tum_row(report) : format_pose_csv_row(report)); }
+  void add(const Report& report) {
+    const WireReport row = wire_report(report);
+    file_.write(tum_ ? format_tum_row(row) : format_pose_csv_row(row));
+  }
   void finish() { file_.finish(); }
 
  private:
@@ -186,7 +190,7 @@ void run_replay(const ReplayArguments& arguments) {
     }
     counts.dropped += lease->dropped_before;
     const Frame frame = times.stamped(lease->frame);
-    report = next_report(report, frame, localiser.process(frame));
+    report = next_report(report, frame, localiser.process(frame), {.now = frame.exposed_at()});
     counts.process_us.push_back(std::chrono::duration<double, std::micro>(report.process_time).count());
     if (report.valid) {
       ++counts.found;

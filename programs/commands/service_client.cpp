@@ -53,8 +53,7 @@ RegisterReader ServiceClient::read() {
 
 void ServiceClient::write(std::uint16_t first, std::span<const std::uint16_t> values) {
   if (const Result<void> done = client_.write_registers(first, values); !done)
-    fail(fmt::format("the command was refused ({}): another one may be under way",
-                     std::strerror(done.error().os_errno)));
+    fail(fmt::format("the command was refused ({})", std::strerror(done.error().os_errno)));
 }
 
 }  // namespace ninedot

@@ -34,8 +34,12 @@ bool LiveDisplay::fits(std::size_t lines) const noexcept {
   return ioctl(fileno(out_), TIOCGWINSZ, &size) != 0 || size.ws_row == 0 || size.ws_row > lines;
 }
 
+bool LiveDisplay::is_due(MonoTime now) const noexcept {
+  return shown_at_ == MonoTime{} || now - shown_at_ >= (terminal_ ? kTablePeriod : kLinePeriod);
+}
+
 void LiveDisplay::show(const RegisterReader& registers, std::span<const std::string> clients, MonoTime now) {
-  if (shown_at_ != MonoTime{} && now - shown_at_ < (terminal_ ? kTablePeriod : kLinePeriod)) return;
+  if (!is_due(now)) return;
   shown_at_ = now;
   if (terminal_) {
     draw(registers, clients);

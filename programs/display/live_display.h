@@ -17,6 +17,9 @@ class LiveDisplay {
   /// \param footer  lines that stand below the table: how to read the registers, how to end.
   LiveDisplay(std::FILE* out, std::vector<std::string> footer);
 
+  /// Whether `show` would show anything now.
+  bool is_due(MonoTime now) const noexcept;
+
   /// Shows when it is time to. \param clients  who is connected, one each.
   void show(const RegisterReader& registers, std::span<const std::string> clients, MonoTime now);
 

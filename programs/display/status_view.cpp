@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <iterator>
+
+#include "base/reason.h"
 
 namespace ninedot {
 namespace {
@@ -26,7 +29,7 @@ std::string age_text(const RegisterReader& r) {
 }
 
 std::string state_text(const RegisterReader& r) {
-  if (!r.status(status_bit::kValid)) return fmt::format("NOT VALID: {}", reason_text(r.integer(reg::kReason)));
+  if (!r.status(status_bit::kValid)) return fmt::format("NOT VALID: {}", reason_sentence(r.integer(reg::kReason)));
   std::string text = r.status(status_bit::kAmbiguous) ? "valid, ambiguous" : "valid";
   if (r.status(status_bit::kTracking)) text += ", tracking";
   if (!r.status(status_bit::kCalibrated)) text += ", camera NOT CALIBRATED";
@@ -46,6 +49,59 @@ std::string uptime_text(std::uint32_t seconds) {
   return fmt::format("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
 }
 
+/// "?" for what the service does not know: of unsigned registers that is the end of their range.
+std::string metric_value(const RegisterReader& r, const Metric& metric) {
+  if (metric.id == MetricId::kUptime) return uptime_text(r.integer(metric.address));
+  const double value = r.value(metric.address);
+  const RegisterEntry entry = register_of(metric);
+  const bool is_unknown =
+      metric.kind == MetricKind::kGauge && value >= static_cast<double>(entry.highest) * entry.scale;
+  return is_unknown ? "?" : number(value, metric.decimals);
+}
+
+/// Nothing for a metric that is not shown now.
+std::string metric_words(const RegisterReader& r, const Metric& metric) {
+  if (metric.kind == MetricKind::kFlag) {
+    const std::size_t bar = metric.words.find('|');
+    const bool is_set = (r.integer(reg::kHealthFlags) & metric.address) != 0;
+    return std::string(is_set ? metric.words.substr(0, bar) : metric.words.substr(bar + 1));
+  }
+  if (!metric.always_shown && r.value(metric.address) == 0) return {};
+  std::string words(metric.words);
+  return words.replace(words.find("{}"), 2, metric_value(r, metric));
+}
+
+/// The metrics' rows: "name       one, another", broken before column 100.
+void add_metric_rows(Text& text, const RegisterReader& r) {
+  constexpr std::size_t kColumns = 100;
+  std::string_view row;
+  std::string line;
+  const auto end_line = [&] {
+    if (!line.empty()) add(text, "{}\n", line);
+  };
+  for (const Metric& metric : kMetrics) {
+    const std::string words = metric_words(r, metric);
+    if (words.empty()) continue;
+    if (metric.row != row) {
+      end_line();
+      row = metric.row;
+      line = fmt::format("{:<11}{}", row, words);
+    } else if (line.size() + 2 + words.size() > kColumns - 1) {
+      line += ',';
+      end_line();
+      line = fmt::format("{:<11}{}", "", words);
+    } else {
+      line += ", " + words;
+    }
+  }
+  end_line();
+}
+
+std::string landmark_text(const RegisterReader& r) {
+  const std::uint32_t id = r.integer(reg::kLandmarkId);
+  return id == kNoLandmarkYet ? std::string("?") : fmt::format("{}", id);
+}
+
 void add_bit_names(Text& text, std::uint32_t value, std::span<const RegisterBit> bits) {
   const char* separator = "";
   add(text, "[");
@@ -58,12 +114,6 @@ void add_bit_names(Text& text, std::uint32_t value, std::span<const RegisterBit>
 }
 
 }  // namespace
-
-std::string_view reason_text(std::uint32_t code) noexcept {
-  for (const RegisterCode& reason : kReasonCodes)
-    if (reason.code == code) return reason.meaning;
-  return "unknown reason (a newer service?)";
-}
 
 RegisterReader make_reader(const RegisterBlock& registers) noexcept {
   constexpr double kProbe = 123456;  // what register probe_float always shows
@@ -79,7 +129,7 @@ std::string status_line(const RegisterReader& r) {
         number(r.value(reg::kSigmaX + 1), 2), number(r.value(reg::kSigmaX + 2), 2), r.integer(reg::kDotsUsed),
         r.integer(reg::kQuality));
   } else {
-    add(text, "no valid pose: {}", reason_text(r.integer(reg::kReason)));
+    add(text, "no valid pose: {}", reason_sentence(r.integer(reg::kReason)));
   }
   add(text, "; {} Hz, latency {} ms (p99 {}), {} dropped, {} clients", number(r.value(reg::kFrameRate), 1),
       number(r.value(reg::kLatencyMedian), 1), number(r.value(reg::kLatencyP99), 1), r.integer(reg::kFramesDropped),
@@ -89,7 +139,7 @@ std::string status_line(const RegisterReader& r) {
 
 std::string status_table(const RegisterReader& r) {
   Text text;
-  add(text, "pose       {} (landmark {}, quality {}/1000, age {})\n", state_text(r), r.integer(reg::kLandmarkId),
+  add(text, "pose       {} (landmark {}, quality {}/1000, age {})\n", state_text(r), landmark_text(r),
       r.integer(reg::kQuality), age_text(r));
   add(text, "                     x           y           z\n");
   add(text, "position  {} mm\n", triple(r, reg::kX32, 2, 3));
@@ -104,24 +154,13 @@ std::string status_table(const RegisterReader& r) {
         number(r.value(reg::kTilt), 2), r.status(status_bit::kServoLimit) ? ", at its LIMIT" : "",
         r.status(status_bit::kInhibited) ? ", INHIBITED" : "",
         r.status(status_bit::kServoFault) ? ", does NOT ANSWER" : "");
-  add(text, "frames     {} Hz, {} processed, {} dropped, {} failed, {} camera restarts\n",
-      number(r.value(reg::kFrameRate), 1), r.integer(reg::kFramesProcessed), r.integer(reg::kFramesDropped),
-      r.integer(reg::kFramesFailed), r.integer(reg::kCameraRestarts));
-  add(text, "latency    median {} ms, p99 {}, p99.9 {}, max {} (capture to report)\n",
-      number(r.value(reg::kLatencyMedian), 1), number(r.value(reg::kLatencyP99), 1),
-      number(r.value(reg::kLatencyP999), 1), number(r.value(reg::kLatencyMax), 1));
-  const std::uint32_t flags = r.integer(reg::kHealthFlags);
-  add(text, "service    up {}, {}, memory {}, board {} degC\n", uptime_text(r.integer(reg::kUptime)),
-      (flags & health_bit::kRealtime) != 0 ? "real-time" : "NOT real-time",
-      (flags & health_bit::kMemoryLocked) != 0 ? "locked" : "NOT locked", number(r.value(reg::kTemperature), 1));
-  add(text, "Modbus     {} connected, {} bus errors, {} exceptions answered\n", r.integer(reg::kConnectedClients),
-      r.integer(reg::kBusErrors), r.integer(reg::kExceptions));
+  add_metric_rows(text, r);
   return fmt::to_string(text);
 }
 
 std::string status_json(const RegisterReader& r) {
   Text text;
-  add(text, "{{\"reason_text\":\"{}\"", reason_text(r.integer(reg::kReason)));
+  add(text, "{{\"reason_text\":\"{}\"", reason_sentence(r.integer(reg::kReason)));
   for (const RegisterEntry& entry : kRegisterMap) {
     if (entry.scale_is_configured) continue;  // a client does not know the scale; the 32-bit values say the same
     add(text, ",\"{}\":", entry.name);

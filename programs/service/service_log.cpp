@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "programs/display/live_display.h"
-#include "programs/display/status_view.h"
 
 namespace ninedot {
 namespace {
@@ -34,7 +33,7 @@ void ServiceLog::note(const Report& report, const Error& last_error, MonoTime no
     write(fmt::format("landmark {} found at {:.3f} m", report.landmark_id, report.distance_m));
     return;
   }
-  std::string line(reason_text(static_cast<std::uint32_t>(seen_)));
+  std::string line(reason_sentence(seen_));
   if (comes_from_the_source(seen_) && *last_error.text != '\0') {
     line += fmt::format(": {}", last_error.text);
     if (last_error.os_errno != 0) line += fmt::format(" ({})", std::strerror(last_error.os_errno));

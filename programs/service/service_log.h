@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "proto/report.h"
+#include "report/report.h"
 
 namespace ninedot {
 

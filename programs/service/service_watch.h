@@ -1,31 +1,25 @@
 #pragma once
-/// What the main thread does while the service runs: log, service manager, display; until a signal asks to end.
+/// What the main thread does while the service runs: its list of outputs, and the service manager; until a signal asks
+/// to end.
+#include <memory>
 #include <span>
+#include <string>
 
-#include "base/latest_value.h"
-#include "drivers/modbus/server.h"
+#include "base/mailbox.h"
 #include "drivers/posix/signals.h"
+#include "outputs/output.h"
 #include "pipeline/frame_loop.h"
-#include "programs/assembly/watched_device.h"
-#include "programs/service/service_log.h"
 
 namespace ninedot {
 
 struct RunningService {
   FrameLoop& frames;
-  const LatestValue<Report>& reports;
-  const LatestValue<Health>& health;
-  ModbusServer& modbus;
-  RegisterCodecOptions codec;
-  HeadControl* head;          ///< may be null
-  DigitalOutput* status_led;  ///< may be null
-  DigitalOutput* lone_power;  ///< to be kept active; may be null
-  std::span<const WatchedDevice> devices;
+  const Mailbox<Report>& reports;
+  std::span<const std::unique_ptr<Output>> outputs;  ///< given the newest report every 20 ms, in this order
 };
 
-/// \param display  may be null. \return when SIGINT or SIGTERM came.
-void watch_until_signalled(const TerminationSignals& signals, const RunningService& service, ServiceLog& log,
-                           LiveDisplay* display);
+/// \return  when SIGINT or SIGTERM came.
+void watch_until_signalled(const TerminationSignals& signals, const RunningService& service);
 
 /// "SCHED_FIFO 50", or why not and what to do about it.
 std::string realtime_text(int priority, int refused_errno);

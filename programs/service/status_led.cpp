@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, 4> kPictures{
 }  // namespace
 
 LedPattern led_pattern_of(const Report& report) noexcept {
-  if (report.servo_fault) return LedPattern::kFault;
+  if (report.head.failed) return LedPattern::kFault;
   switch (report.reason) {
     case Reason::kNone:
       return LedPattern::kTracking;
@@ -29,6 +29,7 @@ LedPattern led_pattern_of(const Report& report) noexcept {
     case Reason::kNoLandmark:
     case Reason::kPoseDegenerate:
     case Reason::kStale:
+    case Reason::kHeld:
       return LedPattern::kNoLandmark;
     case Reason::kFrameSize:
     case Reason::kFrameUnreadable:

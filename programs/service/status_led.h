@@ -1,7 +1,7 @@
 #pragma once
 /// What the status LED tells someone who stands in front of the cabinet.
 #include "base/mono_time.h"
-#include "proto/report.h"
+#include "report/report.h"
 
 namespace ninedot {
 

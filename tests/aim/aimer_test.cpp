@@ -133,8 +133,8 @@ TEST(Aimer, ReckonsFromWhereTheHeadStoodWhenTheFrameWasExposed) {
     head.pan_rad = 0.01 * i;
     unit.step(now, head, {}, {false, {1, 0}}, false);
   }
-  EXPECT_NEAR(unit.head_at(kStart + 4 * kFrame + 1ms).pan_rad, 0.04, 1e-12);
-  EXPECT_NEAR(unit.head_at(kStart - 1s).pan_rad, 0, 1e-12) << "the oldest that is remembered";
+  EXPECT_NEAR(unit.track().at(kStart + 4 * kFrame + 1ms).pan_rad, 0.04, 1e-12);
+  EXPECT_NEAR(unit.track().at(kStart - 1s).pan_rad, 0, 1e-12) << "where it stood at the start";
   const AimSight sight = straight_ahead_but(0, 0, kStart + 4 * kFrame + 1ms);
   HeadAngles goal;
   for (int i = 10; i < 14; ++i) goal = unit.step(kStart + i * kFrame, head, sight, {true, {}}, false).command;

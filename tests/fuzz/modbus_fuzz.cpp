@@ -9,6 +9,7 @@
 #include "drivers/modbus/register_bank.h"
 #include "drivers/modbus/request.h"
 #include "drivers/modbus/rtu_receiver.h"
+#include "tests/proto/wire_box.h"
 
 namespace ninedot {
 namespace {
@@ -27,8 +28,7 @@ void answer(RegisterBank& bank, std::span<const std::uint8_t> request) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace ninedot;
-  static const LatestValue<Report> reports;
-  static const LatestValue<Health> health;
+  static const test::WireBox reports;
   static const ModbusOptions options = [] {
     ModbusOptions all;
     all.allow_writes = true;
@@ -36,7 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     return all;
   }();
   if (size < 2) return 0;
-  RegisterBank bank(reports, health, options);
+  RegisterBank bank(reports, options);
   const std::span<const std::uint8_t> input(bytes + 1, size - 1);
   if (bytes[0] % 2 == 0) {
     answer(bank, input.first(std::min(input.size(), kMaxPdu)));

@@ -84,11 +84,10 @@ struct Worst {
 
 /// The longest that a well-behaved client waited for a reply, and the frame loop for its mailbox.
 Worst measure(const std::vector<Misbehaviour>& misbehaviours) {
-  LatestValue<Report> reports;
-  const LatestValue<Health> health;
+  test::WireBox reports;
   ModbusOptions options;
   options.tcp.emplace().port = 0;
-  const ModbusServer server(reports, health, options);
+  const ModbusServer server(reports, options);
   Worst worst;
   const test::Publisher publisher(reports, 200);
   const RawClient good(server.tcp_port());
@@ -142,11 +141,10 @@ TEST(MisbehavingClients, AllOfThemTogetherDelayNobody) {
 }
 
 TEST(MisbehavingClients, AReaderThatNeverReadsIsDroppedInTheEnd) {
-  const LatestValue<Report> reports;
-  const LatestValue<Health> health;
+  const test::WireBox reports;
   ModbusOptions options;
   options.tcp.emplace().port = 0;
-  const ModbusServer server(reports, health, options);
+  const ModbusServer server(reports, options);
   std::atomic<bool> stop{false};
   std::thread reader([&] { slow_reader(server.tcp_port(), stop); });
   const MonoTime deadline = mono_now() + 20s;

@@ -64,11 +64,10 @@ void read_many(std::uint16_t port, int reads, Count& count) {
 class OneFrame : public testing::TestWithParam<double> {};
 
 TEST_P(OneFrame, HoldsForEveryReadOfSeveralClientsWhileFramesArrive) {
-  LatestValue<Report> reports(test::report_number(0));
-  const LatestValue<Health> health;
+  test::WireBox reports(test::report_number(0));
   ModbusOptions options;
   options.tcp.emplace().port = 0;
-  const ModbusServer server(reports, health, options);
+  const ModbusServer server(reports, options);
   Count count;
 
   std::uint32_t published = 0;

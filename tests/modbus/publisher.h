@@ -5,30 +5,29 @@
 #include <cstdint>
 #include <thread>
 
-#include "base/latest_value.h"
-#include "proto/report.h"
+#include "tests/proto/wire_box.h"
 
 namespace ninedot::test {
 
 /// The report number `sequence`: x = sequence mm, y = -sequence mm, z = 2 sequence mm, and so on.
-inline Report report_number(std::uint32_t sequence) {
+inline WireReport report_number(std::uint32_t sequence) {
   const double n = static_cast<double>(sequence % 30000);
-  Report report;
-  report.heartbeat = report.pose_sequence = sequence;
-  report.valid = report.found = true;
+  WireReport report;
+  report.frames_processed = report.pose_sequence = sequence;
+  report.valid = report.found = report.has_pose = true;
   report.reason = Reason::kNone;
-  report.exposed_at = report.published_at = mono_now();
+  report.exposed_at = mono_now();
   report.landmark_id = static_cast<std::uint16_t>(sequence);
-  report.camera_in_world.position_m = {n * 1e-3, -n * 1e-3, 2e-3 * n};
-  report.sigma_world = {n * 1e-5, n * 1e-5, n * 1e-5, n * 1e-6, n * 1e-6, n * 1e-6};
+  report.camera_in_world = {{n, -n, 2 * n}, {1, 0, 0, 0}};
+  report.sigma_world_mm = {n * 1e-2, n * 1e-2, n * 1e-2};
+  report.sigma_world_deg = {n * 1e-4, n * 1e-4, n * 1e-4};
   report.dots_used = static_cast<std::uint16_t>(sequence);
   return report;
 }
 
 class Publisher {
  public:
-  Publisher(LatestValue<Report>& reports, double rate_hz)
-      : thread_([this, &reports, rate_hz] { run(reports, rate_hz); }) {}
+  Publisher(WireBox& reports, double rate_hz) : thread_([this, &reports, rate_hz] { run(reports, rate_hz); }) {}
   ~Publisher() {
     stop_ = true;
     thread_.join();
@@ -38,10 +37,10 @@ class Publisher {
   std::uint32_t published() const { return published_; }
 
  private:
-  void run(LatestValue<Report>& reports, double rate_hz) {
+  void run(WireBox& reports, double rate_hz) {
     const std::chrono::nanoseconds period(static_cast<std::int64_t>(1e9 / rate_hz));
     for (MonoTime next = mono_now(); !stop_; next += period) {
-      const Report report = report_number(++published_);
+      const WireReport report = report_number(++published_);
       const MonoTime before = mono_now();
       reports.publish(report);
       longest_ns_ = std::max<std::int64_t>(longest_ns_, (mono_now() - before).count());

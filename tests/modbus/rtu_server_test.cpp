@@ -89,14 +89,13 @@ class ModbusRtu : public testing::Test {
     reports_.publish(test::known_report(mono_now()));
     options_.rtu.emplace().device = line_.name();
   }
-  void start() { server_.emplace(reports_, health_, options_); }
+  void start() { server_.emplace(reports_, options_); }
   void expect_answered(const Line& line) {
     line.send(rtu_frame(1, read_pdu(0, 2)));
     EXPECT_EQ(line.receive(9), rtu_frame(1, {3, 4, 0x9D, 0x09, 0, 1}));
   }
 
-  LatestValue<Report> reports_;
-  LatestValue<Health> health_;
+  test::WireBox reports_;
   ModbusOptions options_;
   Line line_;
   std::optional<ModbusServer> server_;
@@ -276,12 +275,11 @@ TEST_F(ModbusRtu, RtuAndTcpServeAtOnce) {
 }
 
 std::string start_error(const ModbusRtuOptions& rtu, ExitStatus expected) {
-  const LatestValue<Report> reports;
-  const LatestValue<Health> health;
+  const test::WireBox reports;
   ModbusOptions options;
   options.rtu = rtu;
   try {
-    const ModbusServer server(reports, health, options);
+    const ModbusServer server(reports, options);
   } catch (const StartupError& error) {
     EXPECT_EQ(error.status, expected);
     return error.what();

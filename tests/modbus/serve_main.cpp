@@ -9,18 +9,17 @@
 
 int main(int argc, char** argv) {
   using namespace ninedot;
-  LatestValue<Report> reports;
-  LatestValue<Health> health;
+  test::WireBox reports;
   const MonoTime started_at = mono_now();
   reports.publish(test::known_report(started_at));
-  health.publish(test::known_health(started_at));
+  reports.metrics = test::known_metrics();
   ModbusOptions options;
   options.allow_writes = true;
   options.codec.stale_after = std::chrono::hours(1);  // the report never changes
   options.tcp.emplace().port = 0;
   if (argc == 3 && std::strcmp(argv[1], "--rtu") == 0) options.rtu.emplace().device = argv[2];
   try {
-    const ModbusServer server(reports, health, options);
+    const ModbusServer server(reports, options);
     std::printf("%u\n", server.tcp_port());
     std::fflush(stdout);
     while (std::getchar() != EOF) {

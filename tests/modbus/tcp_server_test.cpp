@@ -25,7 +25,7 @@ class ModbusTcp : public testing::Test {
     reports_.publish(test::known_report(mono_now()));
     options_.tcp.emplace().port = 0;
   }
-  void start() { server_.emplace(reports_, health_, options_); }
+  void start() { server_.emplace(reports_, options_); }
   std::uint16_t port() const { return server_->tcp_port(); }
 
   /// Waits until a condition that another thread brings about holds.
@@ -39,8 +39,7 @@ class ModbusTcp : public testing::Test {
     return true;
   }
 
-  LatestValue<Report> reports_;
-  LatestValue<Health> health_;
+  test::WireBox reports_;
   ModbusOptions options_;
   std::optional<ModbusServer> server_;
 };
@@ -265,7 +264,7 @@ TEST_F(ModbusTcp, APortInUseIsOneLineThatNamesTheAddress) {
   ModbusOptions second = options_;
   second.tcp->port = port();
   try {
-    const ModbusServer server(reports_, health_, second);
+    const ModbusServer server(reports_, second);
     FAIL() << "two servers on one port";
   } catch (const StartupError& error) {
     EXPECT_EQ(error.status, ExitStatus::kWorkFailed);

@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "outputs/wire_output.h"
 #include "pipeline/report_reason.h"
 
 namespace ninedot {
@@ -87,8 +88,8 @@ struct Bench {
 
   ScriptedSource source;
   EvenFramesAreFound processor;
-  LatestValue<Report> reports;
-  LatestValue<Health> health;
+  Mailbox<Report> reports;
+  Mailbox<Health> health;
   FrameLoop loop;
 };
 
@@ -107,7 +108,8 @@ TEST(FrameLoop, PublishesEveryFrameWithItsLatencyAndGivesTheBufferBack) {
   EXPECT_GE(report.latency, 3ms);
   EXPECT_LT(report.latency, 1s);
   EXPECT_GE(report.published_at, report.exposed_at + 3ms);
-  EXPECT_EQ(report.pan_rad, 0.25);
+  EXPECT_EQ(report.head.pan_rad, 0.25);
+  EXPECT_FALSE(report.head.present) << "a recording's angles are no head";
   EXPECT_EQ(bench.source.lent, 0);
   EXPECT_EQ(bench.loop.frames_processed(), 1U);
 }
@@ -124,7 +126,7 @@ TEST(FrameLoop, AStalePoseKeepsItsValuesAndItsTimeButIsNotValid) {
   EXPECT_EQ(stale.camera_in_world.position_m[0], 2);
   EXPECT_EQ(stale.exposed_at, fresh.exposed_at);
   EXPECT_EQ(stale.pose_sequence, fresh.pose_sequence);
-  EXPECT_EQ(stale.heartbeat, fresh.heartbeat + 1);
+  EXPECT_EQ(stale.frames.processed, fresh.frames.processed + 1);
 }
 
 TEST(FrameLoop, CountsDroppedAndFailedFrames) {
@@ -135,10 +137,11 @@ TEST(FrameLoop, CountsDroppedAndFailedFrames) {
   for (int i = 0; i < 4; ++i) bench.loop.step();
   std::this_thread::sleep_for(12ms);
   bench.loop.step();
+  const FrameCounts frames = bench.reports.read().frames;
+  EXPECT_EQ(frames.dropped, 4U);
+  EXPECT_EQ(frames.failed, 2U);
+  EXPECT_EQ(frames.processed, 2U);
   const Health health = bench.health.read();
-  EXPECT_EQ(health.frames_dropped, 4U);
-  EXPECT_EQ(health.frames_failed, 2U);
-  EXPECT_EQ(health.frames_processed, 2U);
   EXPECT_GE(health.latency_median, 3ms);
   EXPECT_GE(health.latency_max, health.latency_median);
 }
@@ -148,12 +151,13 @@ TEST(FrameLoop, HealthTellsTheCamerasRestartsAndItsDamagedBuffers) {
   bench.source.counted = {.restarts = 2, .flagged = 3};
   for (int i = 0; i < 3; ++i) bench.loop.step();
   EXPECT_EQ(bench.health.read().camera_restarts, 2U);
-  EXPECT_EQ(bench.health.read().frames_failed, 4U) << "one unreadable, three flagged";
+  EXPECT_EQ(bench.health.read().frames_flagged, 3U);
+  EXPECT_EQ(bench.reports.read().frames.failed, 1U) << "the unreadable one";
   bench.source.counted = {.restarts = 3, .flagged = 4};
   std::this_thread::sleep_for(12ms);
   bench.loop.step();
   EXPECT_EQ(bench.health.read().camera_restarts, 3U);
-  EXPECT_EQ(bench.health.read().frames_failed, 5U);
+  EXPECT_EQ(bench.health.read().frames_flagged, 4U);
 }
 
 TEST(FrameLoop, TurnsGrowWhileTheCameraIsLostAndFramesDoNot) {
@@ -244,6 +248,118 @@ TEST(FrameLoop, RunsOnItsOwnThreadUntilToldToStopAndSaysWhetherItIsRealTime) {
     bench.loop.stop();
     EXPECT_LT(mono_now() - begin, 5s);
   }
+}
+
+TEST(FrameLoop, TheRateFallsToZeroWithinTwoHealthPeriodsWhenFramesStop) {
+  for (const Errc end : {Errc::kEndOfStream, Errc::kNoFrame}) {
+    std::vector<ScriptedSource::Entry> script;
+    for (std::uint64_t i = 0; i < 20; ++i) script.push_back({.frame_number = 2 * i});
+    if (end != Errc::kNoFrame) script.push_back({.failure = end});
+    FrameLoopOptions options = Bench::quick();
+    options.health_period = 200ms;
+    Bench bench(std::move(script), options);
+    OrdinaryThread thread(0);
+    bench.loop.start(thread);
+    const auto rate_hz = [&] {
+      return frame_metrics(bench.reports.read(), bench.health.read(), mono_now())[MetricId::kFrameRate];
+    };
+    const MonoTime begin = mono_now();
+    while (rate_hz() == 0 && mono_now() < begin + 5s) std::this_thread::sleep_for(1ms);
+    EXPECT_GT(rate_hz(), 0);
+    const MonoTime known_at = mono_now();
+    while (rate_hz() != 0 && mono_now() < known_at + 5s) std::this_thread::sleep_for(1ms);
+    EXPECT_LT(mono_now() - known_at, 2 * options.health_period + 300ms) << "and what a busy machine adds";
+    // A loop that hangs in its source publishes nothing at all: its last word ends by itself.
+    bench.loop.stop();
+    const Health last = bench.health.read();
+    Health of_a_good_second = last;
+    of_a_good_second.frame_rate_hz = 35;
+    const auto shown_hz = [&](MonoTime now) {
+      return frame_metrics(bench.reports.read(), of_a_good_second, now)[MetricId::kFrameRate];
+    };
+    EXPECT_EQ(shown_hz(last.rate_holds_until), 35);
+    EXPECT_EQ(shown_hz(last.rate_holds_until + 1ns), 0);
+  }
+}
+
+TEST(FrameLoop, EveryReportCarriesItsOwnFrameCountAndAFrameOfAWrongSizeIsNotProcessed) {
+  class WrongSize final : public FrameProcessor {
+   public:
+    const Fix& process(const Frame&) noexcept override { return fix_; }
+    Fix fix_ = [] {
+      Fix fix;
+      fix.reason = Reason::kFrameSize;
+      return fix;
+    }();
+  } processor;
+  ScriptedSource source({{.frame_number = 1}, {.frame_number = 2}});
+  Mailbox<Report> reports;
+  Mailbox<Health> health;
+  FrameLoop loop(source, processor, reports, health, Bench::quick());
+  loop.step();
+  EXPECT_EQ(reports.read().frames.processed, 0U);
+  EXPECT_EQ(reports.read().frames.failed, 1U);
+  EXPECT_EQ(loop.frames_processed(), 0U);
+}
+
+TEST(FrameLoop, StampsReportsWithWhereTheHeadStoodWhenTheFrameWasExposed) {
+  Handoff<HeadSnapshot> head;
+  FrameLoopOptions options = Bench::quick();
+  options.head = &head;
+  Bench bench({{.frame_number = 2}, {.frame_number = 3}}, options);
+  HeadSnapshot snapshot;
+  snapshot.track = HeadTrack({0.1, 0});
+  snapshot.track.add(mono_now() - 1s, {0.2, 0});
+  snapshot.track.add(mono_now() + 1s, {0.3, 0});  // after any exposure of this test
+  snapshot.order = 7;
+  snapshot.progress = OrderProgress::kRunning;
+  head.put(snapshot);
+  bench.loop.step();
+  ASSERT_TRUE(bench.reports.read().valid);
+  EXPECT_TRUE(bench.reports.read().head.present);
+  EXPECT_EQ(bench.reports.read().head.pan_rad, 0.2);
+  EXPECT_EQ(bench.reports.read().head.order, 7U);
+  bench.loop.step();
+  ASSERT_FALSE(bench.reports.read().valid);
+  EXPECT_EQ(bench.reports.read().head.pan_rad, 0.3) << "without a pose: where it stands now";
+}
+
+TEST(FrameLoop, GoesOnTellingWhatTheHeadDoesWhenNoFramesComeAndAfterTheSourcesEnd) {
+  for (const Errc end : {Errc::kCameraLost, Errc::kEndOfStream}) {
+    Handoff<HeadSnapshot> head;
+    FrameLoopOptions options = Bench::quick();
+    options.head = &head;
+    Bench bench({{.frame_number = 2}, {.failure = end}}, options);
+    bench.loop.step();
+    bench.loop.step();
+    ASSERT_FALSE(bench.reports.read().valid);
+    HeadSnapshot snapshot;
+    snapshot.track.add(mono_now(), {0.5, 0});
+    snapshot.progress = OrderProgress::kDone;
+    head.put(snapshot);
+    bench.loop.step();
+    EXPECT_EQ(bench.reports.read().head.pan_rad, 0.5);
+    EXPECT_EQ(bench.reports.read().head.progress, OrderProgress::kDone);
+    const std::uint64_t version = bench.reports.version();
+    bench.loop.step();
+    EXPECT_EQ(bench.reports.version(), version) << "published on change only";
+  }
+}
+
+TEST(FrameLoop, AValidReportKeepsTheHeadOfItsExposureUntilThereIsAnotherFrame) {
+  Handoff<HeadSnapshot> head;
+  FrameLoopOptions options = Bench::quick();
+  options.head = &head;
+  options.stall_after = 10s;
+  Bench bench({{.frame_number = 2}}, options);
+  bench.loop.step();
+  const std::uint64_t version = bench.reports.version();
+  HeadSnapshot snapshot;
+  snapshot.track.add(mono_now(), {0.5, 0});
+  head.put(snapshot);
+  bench.loop.step();
+  EXPECT_TRUE(bench.reports.read().valid);
+  EXPECT_EQ(bench.reports.version(), version);
 }
 
 TEST(FrameLoop, EndsByItselfWhenTheSourceIsOver) {

@@ -10,6 +10,7 @@
 #include "calibrate/camera_file.h"
 #include "drivers/recording/recording_source.h"
 #include "drivers/servo/simulated_pan_tilt.h"
+#include "outputs/head_output.h"
 #include "pipeline/frame_loop.h"
 #include "pipeline/localiser.h"
 #include "programs/assembly/input_files.h"
@@ -39,17 +40,19 @@ struct Outcome {
 Outcome run_and_count(const std::string& recording, Solver solver, bool tracking) {
   RecordingSource source(recording, {});
   Localiser localiser(read_camera_file(recording_camera_file(recording)), {.solver = solver, .tracking = tracking});
-  LatestValue<Report> reports;
-  LatestValue<Health> health;
+  Mailbox<Report> reports;
+  Mailbox<Health> health;
   SimulatedPanTilt servos(straight_axes(), {});
-  HeadControl head(read_camera_file(recording_camera_file(recording)), {}, servos, nullptr, {});
-  FrameLoop loop(source, localiser, reports, health, {.health_period = std::chrono::nanoseconds(1), .head = &head});
+  HeadOutput head(read_camera_file(recording_camera_file(recording)), {}, servos, nullptr, {});
+  FrameLoop loop(source, localiser, reports, health,
+                 {.health_period = std::chrono::nanoseconds(1), .head = &head.snapshots()});
   Outcome outcome;
   for (bool goes_on = true; goes_on;) {
     const std::uint64_t frames_before = loop.frames_processed();
     {
       const test::AllocationGuard guard;
       goes_on = loop.step();
+      head.take(reports.read(), true, mono_now());  // in the service: in a thread of its own
       EXPECT_EQ(guard.allocations(), 0U) << recording << ", frame " << outcome.frames;
       EXPECT_EQ(guard.releases(), 0U) << recording << ", frame " << outcome.frames;
     }

@@ -53,7 +53,7 @@ TEST_P(LocaliserWithEachSolver, FillsEveryFieldOfTheReportOfAFrameThatShowsTheLa
   EXPECT_EQ(report.reason, Reason::kNone);
   EXPECT_EQ(report.solver, GetParam());
   EXPECT_EQ(report.frame_number, 42U);
-  EXPECT_EQ(report.heartbeat, 1U);
+  EXPECT_EQ(report.frames.processed, 1U);
   EXPECT_EQ(report.pose_sequence, 1U);
   EXPECT_EQ(report.exposed_at, MonoTime(5s));
   EXPECT_EQ(report.landmark_id, 7);
@@ -130,7 +130,7 @@ TEST_P(LocaliserWithEachSolver, KeepsTheLastPoseButNotItsValidityWhenTheLandmark
   EXPECT_EQ(report.quality, 0);
   EXPECT_EQ(report.exposed_at, MonoTime(1s));
   EXPECT_EQ(report.pose_sequence, before.pose_sequence);
-  EXPECT_EQ(report.heartbeat, before.heartbeat + 1);
+  EXPECT_EQ(report.frames.processed, before.frames.processed + 1);
   EXPECT_EQ(report.camera_in_world.position_m, before.camera_in_world.position_m);
   EXPECT_EQ(report.covariance, before.covariance);
   EXPECT_EQ(unit.last_observation(), nullptr);

@@ -13,6 +13,7 @@
 #include "drivers/modbus/server.h"
 #include "programs/commands/commands.h"
 #include "tests/recording/temporary_recording.h"
+#include "tests/proto/wire_box.h"
 
 namespace ninedot {
 namespace {
@@ -161,11 +162,10 @@ TEST_F(Commands, CheckSaysThatAnOlderFilesWaitForDeviceHasNoEffect) {
 }
 
 TEST_F(Commands, CheckKnowsARunningServiceFromAnotherProgramOnItsPort) {
-  const LatestValue<Report> reports;
-  const LatestValue<Health> health;
+  const test::WireBox source;
   ModbusOptions options;
   options.tcp.emplace().port = 0;
-  const ModbusServer service(reports, health, options);
+  const ModbusServer service(source, options);
   const Outcome outcome = check(camera() + fmt::format("[modbus.tcp]\nport = {}", service.tcp_port()));
   EXPECT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
   EXPECT_NE(outcome.line.find(

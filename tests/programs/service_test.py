@@ -210,13 +210,74 @@ class Running(unittest.TestCase):
             before = client.wait_for(lambda registers: registers[4] & VALID)
             client.write(105, [(-1000) & 0xFFFF, 500])
             client.write(100, [2, 77])
-            there = client.wait_for(lambda registers: int16(registers, 37) == -1000 and int16(registers, 38) == 500)
-            self.assertEqual((there[102], there[103]), (77, 2))
+            started = client.read()
+            self.assertEqual((started[101], started[102], started[103]), (77, 0, 1), "it has only just begun")
+            done = client.wait_for(lambda registers: registers[103] != 1)
+            # The same reply says that it is done and that the head is there.
+            self.assertEqual((done[102], done[103], int16(done, 37), int16(done, 38)), (77, 2, -1000, 500))
             self.assertEqual(before[37], 0)
             client.write(107, [200])  # and then silence
             time.sleep(1)
             # The landmark of the recording is not where the head points to: following moves it.
             client.wait_for(lambda registers: int16(registers, 37) != -1000)
+
+    def test_a_command_that_cannot_be_done_fails_and_a_newer_one_takes_its_place(self):
+        port = free_port()
+        with Service(config_text(port=port, extra=self.HEAD)), Client(port=port) as client:
+            client.wait_for(lambda registers: registers[4] & VALID)
+            client.write(105, [8000, 0])  # the range ends at 30 deg
+            client.write(100, [2, 5])
+            failed = client.wait_for(lambda registers: registers[103] != 1)
+            self.assertEqual((failed[102], failed[103], int16(failed, 37)), (5, 3, 3000))
+            client.write(105, [(-2000) & 0xFFFF, 0])
+            client.write(100, [2, 6])
+            client.write(105, [1000, 0])
+            client.write(100, [2, 7])
+            done = client.wait_for(lambda registers: registers[103] != 1)
+            self.assertEqual((done[101], done[102], done[103], int16(done, 37)), (7, 7, 2, 1000))
+            client.write(100, [1, 8])
+            follows = client.wait_for(lambda registers: registers[103] != 1)
+            self.assertEqual((follows[102], follows[103]), (8, 2))
+
+    def test_before_the_first_pose_nothing_of_it_is_known(self):
+        port = free_port()
+        with tempfile.TemporaryDirectory(prefix="ninedot-test-") as folder:
+            recording = pathlib.Path(folder) / "recording"
+            (recording / "frames").mkdir(parents=True)
+            shutil.copy(APPROACH / "camera.yaml", recording)
+            calibration = (APPROACH / "camera.yaml").read_text()
+            width, height = (int(re.search(rf"image_{key}: *(\d+)", calibration).group(1)) for key in ("width", "height"))
+            for number in range(3):
+                (recording / "frames" / f"{number:06}.pgm").write_bytes(b"P5 %d %d 255\n" % (width, height)
+                                                                        + bytes([200]) * (width * height))
+            with Service(config_text(recording, port=port)), Client(port=port) as client:
+                registers = client.wait_for(lambda registers: registers[5] == 2)
+                self.assertEqual([registers[i] for i in range(10, 16)], [0x8000] * 6)
+                self.assertEqual([int32(registers, i) for i in range(16, 28, 2)], [-2 ** 31] * 6)
+                for i in range(40, 54, 2):
+                    self.assertTrue(math.isnan(float32(registers, i)), i)
+                self.assertIn('"x_32":null', run("ninedot", "status", "--json", "--port", str(port)).stdout)
+
+    def test_a_reply_is_of_one_moment_and_a_held_pose_that_grows_old_says_that_it_is_held(self):
+        port = free_port()
+        extra = "[modbus]\nallow_writes = true\nhold_ms = 3000\n"
+        with Service(config_text(port=port, rate_hz=200.0, extra=extra)), Client(port=port) as client:
+            client.wait_for(lambda registers: registers[4] & VALID)
+            for _ in range(200):
+                registers = client.read()
+                self.assertEqual(registers[2], registers[62], "heartbeat and the low half of frames_processed")
+            client.wait_for(lambda registers: registers[4] & VALID)
+            while True:  # the recording also has frames that show no landmark
+                client.write(104, [1])
+                if client.read()[5] == 0:
+                    break
+            old = client.wait_for(lambda registers: not registers[4] & VALID)
+            self.assertEqual(old[5], 9)
+            client.write(104, [0])
+            client.wait_for(lambda registers: registers[4] & VALID)
+            registers = client.read()
+            self.assertGreater(registers[88] << 16 | registers[89], 200, "requests are counted")
+            self.assertEqual(registers[90] << 16 | registers[91], 1, "connections")
 
     def test_without_a_head_aim_says_what_is_missing(self):
         port = free_port()
@@ -244,10 +305,14 @@ class Running(unittest.TestCase):
 
     def test_a_recording_that_is_over_leaves_its_reason_in_the_registers(self):
         port = free_port()
-        config = config_text(port=port, rate_hz=200.0).replace("[pose]", "loop = false\n[pose]")
+        config = config_text(port=port, rate_hz=35.0).replace("[pose]", "loop = false\n[pose]")
         with Service(config) as service, Client(port=port) as client:
+            client.wait_for(lambda registers: registers[60] > 0)
             registers = client.wait_for(lambda registers: registers[5] == 7)
             self.assertFalse(registers[4] & VALID)
+            over_at = time.monotonic()
+            client.wait_for(lambda registers: registers[60] == 0)
+            self.assertLess(time.monotonic() - over_at, 3, "the rate of frames that no longer come")
             self.assertEqual(service.end()[0], 0)
 
 

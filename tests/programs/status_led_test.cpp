@@ -37,7 +37,7 @@ TEST(StatusLed, TellsWhatIsTheMatter) {
   report.reason = Reason::kFrameSize;
   EXPECT_EQ(led_pattern_of(report), LedPattern::kFault);
   report.reason = Reason::kNone;
-  report.servo_fault = true;
+  report.head.failed = true;
   EXPECT_EQ(led_pattern_of(report), LedPattern::kFault);
 }
 

@@ -1,71 +1,84 @@
 #pragma once
-/// One report, health and server state with a different number in every place; tests/proto/register_codec_test.cpp pins
-/// the registers that they make, tests/modbus/serve_main.cpp shows them to foreign clients.
+/// One report, metrics and server state with a different number in every place; tests/proto/register_codec_test.cpp
+/// pins the registers that they make, tests/modbus/serve_main.cpp shows them to foreign clients.
 #include <chrono>
 #include <cmath>
 #include <numbers>
 
 #include "proto/register_codec.h"
-#include "proto/report.h"
+#include "tests/proto/wire_box.h"
 
 namespace ninedot::test {
 
 /// \param now  the pose is 12.34 ms older
-inline Report known_report(MonoTime now) {
-  constexpr double kRadPerDeg = std::numbers::pi / 180;
-  Report report;
-  report.heartbeat = 70001;
+inline WireReport known_report(MonoTime now) {
+  WireReport report;
+  report.frames_processed = 70001;
   report.pose_sequence = 66000;
   report.frame_number = 123456;
+  report.has_pose = true;
   report.exposed_at = now - std::chrono::microseconds(12340);
-  report.published_at = now - std::chrono::microseconds(3580);
-  report.latency = std::chrono::microseconds(8760);
+  report.latency_ms = 8.76;
   report.valid = report.found = report.calibrated = report.tracking = true;
   report.reason = Reason::kNone;
   report.landmark_id = 7;
   report.quality = 913;
-  report.camera_in_world.position_m = {1.2345678, -2.5, 3.2767};
+  report.camera_in_world.position_mm = {1234.5678, -2500, 3276.7};
   // The rotation vector (0.3, -0.4, 1.2) rad, of angle 1.3.
   const double s = std::sin(0.65) / 1.3;
   report.camera_in_world.quaternion_wxyz = {std::cos(0.65), 0.3 * s, -0.4 * s, 1.2 * s};
-  report.sigma_world = {0.00012, 0.00034, 0.0021, 0.0005, 0.001, 0.002};
+  report.sigma_world_mm = {0.12, 0.34, 2.1};
+  constexpr double kDegPerRad = 180 / std::numbers::pi;
+  report.sigma_world_deg = {0.0005 * kDegPerRad, 0.001 * kDegPerRad, 0.002 * kDegPerRad};
   report.ambiguity = 0.123;
   report.rms_px = 0.0456;
   report.dots_used = 9;
   report.has_head = report.servo_limit = report.inhibited = true;
-  report.pan_rad = 12.34 * kRadPerDeg;
-  report.tilt_rad = -5.67 * kRadPerDeg;
+  report.pan_deg = 12.34;
+  report.tilt_deg = -5.67;
   return report;
 }
 
-/// \param now  the service started 3661.9 s before
-inline Health known_health(MonoTime now) {
-  using std::chrono::microseconds;
-  Health health;
-  health.started_at = now - std::chrono::milliseconds(3661900);
-  health.frame_rate_hz = 35.04;
-  health.frames_processed = 100000;
-  health.frames_dropped = 65537;
-  health.frames_failed = 3;
-  health.camera_restarts = 2;
-  health.latency_median = microseconds(8700);
-  health.latency_p99 = microseconds(9500);
-  health.latency_p999 = microseconds(12000);
-  health.latency_max = microseconds(33300);
-  health.pulse_error_p99 = std::chrono::nanoseconds(6600);
-  health.pulse_error_max = microseconds(21);
-  health.temperature_degC = 47.26;
-  health.realtime = health.memory_locked = true;
-  return health;
+/// Another number for each metric.
+inline MetricValues known_metrics() {
+  using enum MetricId;
+  MetricValues metrics;
+  metrics[kFrameRate] = 35.04;
+  metrics[kFramesProcessed] = 100000;
+  metrics[kFramesDropped] = 65537;
+  metrics[kFramesFailed] = 3;
+  metrics[kCameraRestarts] = 2;
+  metrics[kLatencyMedian] = 8.7;
+  metrics[kLatencyP99] = 9.5;
+  metrics[kLatencyP999] = 12;
+  metrics[kLatencyMax] = 33.3;
+  metrics[kTemperature] = 47.26;
+  metrics[kUptime] = 3661;
+  metrics[kConnectedClients] = 2;
+  metrics[kBusErrors] = 5;
+  metrics[kExceptions] = 4;
+  metrics[kRealtime] = metrics[kMemoryLocked] = 1;
+  metrics[kPulseErrorP99] = 6.6;
+  metrics[kPulseErrorMax] = 21;
+  metrics[kRequests] = 4295032838.0;  // 2^32 + 65542: wraps
+  metrics[kConnections] = 11;
+  metrics[kConnectionsRefused] = 12;
+  metrics[kConnectionsExpired] = 13;
+  metrics[kForeignFrames] = 14;
+  metrics[kSerialLosses] = 15;
+  metrics[kSerialOpen] = 1;
+  metrics[kHeadLosses] = 16;
+  metrics[kRunsCut] = 17;
+  metrics[kBlobsCut] = 18;
+  metrics[kHypothesesCut] = 19;
+  metrics[kNeighboursCut] = 20;
+  return metrics;
 }
 
 inline ServerState known_server_state(MonoTime now) {
   ServerState server;
   server.now = now;
   server.writes_enabled = true;
-  server.connected_clients = 2;
-  server.bus_errors = 5;
-  server.exceptions = 4;
   server.commands.command = 2;
   server.commands.sequence = 17;
   server.commands.acknowledge = 16;

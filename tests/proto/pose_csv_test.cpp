@@ -8,25 +8,25 @@
 namespace ninedot {
 namespace {
 
-Report known_report() {
-  Report report;
-  report.valid = report.found = true;
+WireReport known_report() {
+  WireReport report;
+  report.valid = report.found = report.has_pose = true;
   report.frame_number = 17;
   report.exposed_at = mono_from_ns(485'714'286);
   report.landmark_id = 3;
-  report.camera_in_landmark = {{0.123456789, 1.5, -1e-12}, {0.5, -0.5, 0.5, -0.5}};
-  report.swing_psi_rad = std::numbers::pi / 6;
-  report.tilt_phi_rad = std::numbers::pi / 4;
-  report.pan_theta_rad = -std::numbers::pi / 2;
-  report.distance_m = 1.505072;
-  report.covariance[0] = 1e-6, report.covariance[7] = 4e-6, report.covariance[14] = 9e-6;
-  report.covariance[21] = 1e-6, report.covariance[28] = 4e-6, report.covariance[35] = 4e-6;
+  report.camera_in_landmark = {{123.456789, 1500, -1e-9}, {0.5, -0.5, 0.5, -0.5}};
+  report.swing_psi_deg = 30;
+  report.tilt_phi_deg = 45;
+  report.pan_theta_deg = -90;
+  report.distance_mm = 1505.072;
+  report.sigma_landmark_mm = {1, 2, 3};
+  report.sigma_rotation_deg = 0.003 * 180 / std::numbers::pi;
   report.ambiguity = 0.25;
   report.rms_px = 0.0625;
   report.dots_used = 8;
   report.occlusion_level = 1;
-  report.solver = Solver::kEllipse;
-  report.process_time = std::chrono::nanoseconds(812'340);
+  report.ellipse_solver = true;
+  report.process_us = 812.34;
   return report;
 }
 
@@ -45,16 +45,16 @@ TEST(PoseCsv, HasAsManyFieldsInARowAsInItsHeader) {
 }
 
 TEST(PoseCsv, WritesTheSameBytesForTwoRunsWhenTimeIsLeftOut) {
-  Report other_run = known_report();
-  other_run.process_time = std::chrono::nanoseconds(7);
-  other_run.published_at = mono_from_ns(1);
+  WireReport other_run = known_report();
+  other_run.process_us = 7;
+  other_run.latency_ms = 1;
   EXPECT_EQ(format_pose_csv_row(known_report(), PoseCsvColumns::kWithoutTime),
             format_pose_csv_row(other_run, PoseCsvColumns::kWithoutTime));
 }
 
 TEST(PoseCsv, ShowsANumberThatIsNoneAsSuch) {
-  Report report = known_report();
-  report.covariance[0] = -1;
+  WireReport report = known_report();
+  report.sigma_landmark_mm[0] = kUnknown;
   EXPECT_NE(format_pose_csv_row(report).find("nan"), std::string::npos);
 }
 
@@ -63,7 +63,7 @@ TEST(PoseCsv, WritesTheTumTrajectoryFormat) {
             "0.485714286 0.123456789 1.500000000 0.000000000 -0.500000000 0.500000000 -0.500000000 0.500000000\n");
 }
 
-TEST(PoseCsvDeathTest, RefusesAReportWithoutAPose) { EXPECT_DEATH(format_pose_csv_row(Report{}), "report.valid"); }
+TEST(PoseCsvDeathTest, RefusesAReportWithoutAPose) { EXPECT_DEATH(format_pose_csv_row(WireReport{}), "report.valid"); }
 
 }  // namespace
 }  // namespace ninedot

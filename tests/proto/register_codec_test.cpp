@@ -25,16 +25,16 @@ constexpr std::array<std::uint16_t, 125> kPinned = {
     /*  40 */ 0x449A, 0x522B, 0xC51C, 0x4000, 0x454C, 0xCB33, 0x3F4B, 0xCC26, 0x3E0F, 0x029D,
     /*  50 */ 0xBE3E, 0xAE26, 0x3F0F, 0x029D, 0x0000, 0x0000, 0x0000, 0x0000, 0x0000, 0x0000,
     /*  60 */ 0x015E, 0x0001, 0x86A0, 0x0001, 0x0001, 0x0000, 0x0003, 0x0002, 0x0057, 0x005F,
-    /*  70 */ 0x0078, 0x014D, 0x01D9, 0x0000, 0x0E4D, 0x0000, 0x0005, 0x0002, 0x0003, 0x0004,
-    /*  80 */ 0xFFFF, 0xFFFF, 0x1234, 0x5678, 0x47F1, 0x2000, 0x0007, 0x0015, 0x0000, 0x0000,
-    /*  90 */ 0x0000, 0x0000, 0x0000, 0x0000, 0x0000, 0x0000, 0x0000, 0x0000, 0x0000, 0x0000,
-    /* 100 */ 0x0002, 0x0011, 0x0010, 0x0001, 0x0001, 0x1194, 0xFC18, 0x01F4, 0x0000, 0x0000,
-    /* 110 */ 0x0000, 0x0000, 0x0000, 0x0000, 0x0000, 0x0000, 0x0000, 0x0000, 0x0000, 0x0000,
+    /*  70 */ 0x0078, 0x014D, 0x01D9, 0x0000, 0x0E4D, 0x0000, 0x0005, 0x0002, 0x0007, 0x0004,
+    /*  80 */ 0xFFFF, 0xFFFF, 0x1234, 0x5678, 0x47F1, 0x2000, 0x0007, 0x0015, 0x0001, 0x0006,
+    /*  90 */ 0x0000, 0x000B, 0x0000, 0x000C, 0x0000, 0x000D, 0x0000, 0x000E, 0x000F, 0x0010,
+    /* 100 */ 0x0002, 0x0011, 0x0010, 0x0001, 0x0001, 0x1194, 0xFC18, 0x01F4, 0x0000, 0x0011,
+    /* 110 */ 0x0000, 0x0012, 0x0000, 0x0013, 0x0000, 0x0014, 0x0000, 0x0000, 0x0000, 0x0000,
     /* 120 */ 0x0000, 0x0000, 0x0000, 0x0000, 0x0000,
 };
 
 RegisterBlock encode_known(const RegisterCodecOptions& options = {}) {
-  return encode_registers(test::known_report(kNow), test::known_health(kNow), test::known_server_state(kNow), options);
+  return encode_registers(test::known_report(kNow), test::known_metrics(), test::known_server_state(kNow), options);
 }
 
 /// A generator seeded by the running test's name, so that each law has its own, repeatable numbers.
@@ -173,7 +173,7 @@ TEST(RegisterCodec, ReaderGivesBackTheReportsNumbers) {
 }
 
 TEST(RegisterCodec, TheAgeGrowsWithTheMomentOfTheReplyAndSaturates) {
-  Report report = test::known_report(kNow);
+  WireReport report = test::known_report(kNow);
   ServerState server = test::known_server_state(kNow);
   const auto age_at = [&](std::chrono::nanoseconds later) {
     server.now = kNow + later;
@@ -187,6 +187,7 @@ TEST(RegisterCodec, TheAgeGrowsWithTheMomentOfTheReplyAndSaturates) {
 
 TEST(RegisterCodec, AValidReportThatGrowsOldIsStaleAndNoLongerValid) {
   ServerState server = test::known_server_state(kNow);
+  server.commands.hold = false;
   server.now += std::chrono::milliseconds(600);
   const RegisterBlock block = encode_registers(test::known_report(kNow), {}, server, {});
   const RegisterReader reader(block);
@@ -198,8 +199,20 @@ TEST(RegisterCodec, AValidReportThatGrowsOldIsStaleAndNoLongerValid) {
       << "the last pose stays";
 }
 
+TEST(RegisterCodec, AHeldReportThatGrowsOldIsNoMissingFrame) {
+  ServerState server = test::known_server_state(kNow);
+  server.now += std::chrono::milliseconds(600);
+  server.commands.hold = true;
+  const auto reason = [&](const WireReport& report) { return encode_registers(report, {}, server, {})[reg::kReason]; };
+  WireReport report = test::known_report(kNow);
+  EXPECT_EQ(reason(report), static_cast<std::uint16_t>(Reason::kHeld));
+  report.valid = false;
+  report.reason = Reason::kNoLandmark;
+  EXPECT_EQ(reason(report), static_cast<std::uint16_t>(Reason::kNoLandmark)) << "it was not valid in the first place";
+}
+
 TEST(RegisterCodec, AnInvalidReportKeepsItsOwnReason) {
-  Report report = test::known_report(kNow);
+  WireReport report = test::known_report(kNow);
   report.valid = report.found = false;
   report.reason = Reason::kNoLandmark;
   const RegisterBlock block = encode_registers(report, {}, test::known_server_state(kNow), {});
@@ -209,10 +222,29 @@ TEST(RegisterCodec, AnInvalidReportKeepsItsOwnReason) {
   EXPECT_EQ(reader.integer(reg::kReason), static_cast<std::uint32_t>(Reason::kNoLandmark));
 }
 
-TEST(RegisterCodec, BeforeTheFirstPoseNothingLooksKnown) {
+TEST(RegisterCodec, BeforeTheFirstPoseEveryNumberOfAPoseIsUnknown) {
   ServerState server;
   server.now = kNow;
-  const RegisterBlock block = encode_registers(Report{}, Health{}, server, {});
+  const RegisterBlock block = encode_registers(WireReport{}, MetricValues{}, server, {});
+  for (const std::uint16_t first : std::array<std::uint16_t, 2>{reg::kX16, reg::kRotationX16})
+    for (std::uint16_t i = 0; i < 3; ++i) EXPECT_EQ(block[first + i], 0x8000) << first + i;
+  for (const std::uint16_t first : std::array<std::uint16_t, 2>{reg::kX32, reg::kRotationX32})
+    for (std::uint16_t i = 0; i < 6; ++i) EXPECT_EQ(block[first + i], i % 2 == 0 ? 0x8000 : 0) << first + i;
+  const RegisterReader reader(block);
+  for (std::uint16_t i = 0; i < 14; i += 2)
+    EXPECT_TRUE(std::isnan(reader.value(static_cast<std::uint16_t>(reg::kXFloat + i)))) << i;
+  EXPECT_EQ(block[reg::kLandmarkId], kNoLandmarkYet);
+  EXPECT_EQ(block[reg::kAmbiguity], 1000) << "the end of its range";
+  EXPECT_EQ(block[reg::kResidual], 0xFFFF);
+  EXPECT_EQ(block[reg::kLatency], 0xFFFF);
+  EXPECT_EQ(block[reg::kQuality], 0);
+  EXPECT_EQ(block[reg::kDotsUsed], 0) << "known: it rests on none";
+}
+
+TEST(RegisterCodec, BeforeTheFirstPoseNothingLooksFresh) {
+  ServerState server;
+  server.now = kNow;
+  const RegisterBlock block = encode_registers(WireReport{}, MetricValues{}, server, {});
   const RegisterReader reader(block);
   EXPECT_FALSE(reader.status(status_bit::kValid));
   EXPECT_TRUE(reader.status(status_bit::kStale));
@@ -222,8 +254,8 @@ TEST(RegisterCodec, BeforeTheFirstPoseNothingLooksKnown) {
 }
 
 TEST(RegisterCodec, ASmallSigmaNeverReadsAsCertainty) {
-  Report report = test::known_report(kNow);
-  report.sigma_world = {1e-9, 1e-9, 1e-9, 1e-9, 1e-9, 1e-9};
+  WireReport report = test::known_report(kNow);
+  report.sigma_world_mm = report.sigma_world_deg = {1e-9, 1e-9, 1e-9};
   const RegisterBlock block = encode_registers(report, {}, test::known_server_state(kNow), {});
   for (std::uint16_t i = 0; i < 6; ++i) EXPECT_EQ(block[reg::kSigmaX + i], 1);
 }
@@ -232,7 +264,7 @@ TEST(RegisterCodec, TheRotationVectorHasTheQuaternionsAxisAndAngle) {
   std::mt19937_64 random = generator_of_this_test();
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> angles_rad(0, std::numbers::pi);
-  Report report = test::known_report(kNow);
+  WireReport report = test::known_report(kNow);
   for (int i = 0; i < 1000; ++i) {
     const double x = normal(random), y = normal(random), z = normal(random), norm = std::sqrt(x * x + y * y + z * z);
     const double angle_rad = i == 0 ? 0 : i == 1 ? std::numbers::pi : angles_rad(random);
@@ -249,7 +281,7 @@ TEST(RegisterCodec, TheRotationVectorHasTheQuaternionsAxisAndAngle) {
 }
 
 TEST(RegisterCodec, CountersWrapAndStayEqualToTheirCopy) {
-  Report report = test::known_report(kNow);
+  WireReport report = test::known_report(kNow);
   for (const std::uint32_t sequence : {65535U, 65536U, 4294967295U}) {
     report.pose_sequence = sequence;
     const RegisterBlock block = encode_registers(report, {}, test::known_server_state(kNow), {});

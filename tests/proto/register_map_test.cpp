@@ -8,8 +8,8 @@
 #include <set>
 #include <sstream>
 
+#include "base/reason.h"
 #include "proto/register_document.h"
-#include "proto/report.h"
 
 namespace ninedot {
 namespace {
@@ -59,7 +59,7 @@ TEST(RegisterMap, OnlyRegistersFrom100OnAreWritable) {
 }
 
 TEST(RegisterMap, EveryReasonHasItsCodeInOrder) {
-  ASSERT_EQ(kReasonCodes.size(), static_cast<std::size_t>(Reason::kStale) + 1);
+  ASSERT_EQ(kReasonCodes.size(), static_cast<std::size_t>(Reason::kHeld) + 1);
   for (std::size_t i = 0; i < kReasonCodes.size(); ++i) EXPECT_EQ(kReasonCodes[i].code, i);
 }
 
@@ -70,6 +70,36 @@ TEST(RegisterMap, StatusBitsAreSingleAndDistinct) {
     EXPECT_EQ(seen & bit.mask, 0U) << bit.name;
     seen |= bit.mask;
   }
+}
+
+TEST(Metrics, EachHasARegisterOrAHealthBitOfItsName) {
+  for (const Metric& metric : kMetrics) {
+    if (metric.kind == MetricKind::kFlag) {
+      const auto bit = std::ranges::find(kHealthBits, metric.name, &RegisterBit::name);
+      ASSERT_NE(bit, kHealthBits.end()) << metric.name;
+      EXPECT_EQ(bit->mask, metric.address);
+      continue;
+    }
+    const RegisterEntry* entry = find_register(metric.address);
+    ASSERT_NE(entry, nullptr) << metric.name;
+    EXPECT_EQ(entry->name, metric.name);
+  }
+}
+
+TEST(Metrics, StandWhereTheyAlwaysStood) {
+  EXPECT_EQ(register_address("frames_processed"), 61);
+  EXPECT_EQ(register_address("temperature"), 72);
+  EXPECT_EQ(register_address("bus_errors"), 75);
+  EXPECT_EQ(register_address("pulse_error_p99"), 86);
+  EXPECT_EQ(register_address("requests"), 88);
+  EXPECT_EQ(register_address("runs_cut"), 108);
+  EXPECT_EQ(health_bit::kRealtime, 1);
+  EXPECT_EQ(health_bit::kMemoryLocked, 2);
+}
+
+TEST(Reasons, AreTheDocumentsCodesInWords) {
+  for (const RegisterCode& code : kReasonCodes) EXPECT_EQ(code.meaning, reason_sentence(code.code));
+  EXPECT_NE(reason_sentence(4711U).find("newer"), std::string_view::npos);
 }
 
 TEST(RegisterDocument, DocsRegistersMdIsWhatTheTableSays) {

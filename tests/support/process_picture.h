@@ -11,7 +11,7 @@ inline void process_picture(FrameProcessor& unit, const ImageView& luma, MonoTim
   frame.luma = luma;
   frame.number = number;
   frame.set_exposure(exposed_at);
-  report = next_report(report, frame, unit.process(frame));
+  report = next_report(report, frame, unit.process(frame), {.now = exposed_at});
 }
 
 }  // namespace ninedot::test

@@ -1,6 +1,6 @@
 // The whole loop: a rendered picture as the turned camera sees it -> pose -> aiming step -> simulated head -> next
 // picture.
-#include "pipeline/head_control.h"
+#include "outputs/head_output.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,12 @@
 #include <atomic>
 #include <cmath>
 #include <numbers>
+#include <thread>
 
 #include "drivers/servo/simulated_pan_tilt.h"
+#include "outputs/output_thread.h"
 #include "pipeline/localiser.h"
-#include "tests/support/process_picture.h"
+#include "pipeline/next_report.h"
 #include "tests/support/renderer.h"
 
 namespace ninedot {
@@ -47,7 +49,7 @@ AimOptions aim_options() {
 class Rig {
  public:
   explicit Rig(const AimOrder& order = {})
-      : head(axes(), {}), control(CameraModel{}, aim_options(), head, &inhibit, order), localiser_(CameraModel{}, {}) {
+      : head(axes(), {}), output(CameraModel{}, aim_options(), head, &inhibit, order), localiser_(CameraModel{}, {}) {
     straight_ = test::look_at_landmark(
         {.distance_m = 2, .tilt_rad = 10 * kDeg, .off_axis_x_rad = -15 * kDeg, .off_axis_y_rad = 10 * kDeg});
   }
@@ -57,9 +59,12 @@ class Rig {
     test::Scene scene;
     scene.camera = turned(at);
     const test::Picture picture = test::render(scene, 7);
-    test::process_picture(localiser_, picture.view(), now_, frame_++, report);
-    control.aim(now_ + 10ms, report);
-    control.move();
+    Frame frame;
+    frame.luma = picture.view();
+    frame.number = frame_++;
+    frame.set_exposure(now_);
+    report = next_report(report, frame, localiser_.process(frame), {now_ + 10ms, &output.snapshots().take()});
+    output.take(report, true, now_ + 10ms);
     now_ += kFrame;
   }
 
@@ -77,7 +82,7 @@ class Rig {
     int stops = 0;
   } head;
   Switch inhibit;
-  HeadControl control;
+  HeadOutput output;
   Report report;
 
  private:
@@ -96,7 +101,7 @@ class Rig {
   std::uint64_t frame_ = 0;
 };
 
-TEST(HeadControl, BringsTheLandmarkToTheMiddleOfThePictureAndKeepsItThere) {
+TEST(HeadOutput, BringsTheLandmarkToTheMiddleOfThePictureAndKeepsItThere) {
   Rig rig;
   EXPECT_GT(rig.off_axis_rad(), 15 * kDeg);
   for (int i = 0; i < 40; ++i) rig.one_frame();
@@ -106,36 +111,96 @@ TEST(HeadControl, BringsTheLandmarkToTheMiddleOfThePictureAndKeepsItThere) {
     // The dead band of each axis, and half a pixel from the optical axis to the middle of the picture.
     EXPECT_LT(rig.off_axis_rad(), 0.35 * kDeg);
   }
-  EXPECT_TRUE(rig.report.has_head);
-  EXPECT_GT(rig.report.pan_rad, 10 * kDeg) << "the landmark was on the left";
-  EXPECT_LT(rig.report.tilt_rad, -5 * kDeg) << "and below the middle";
-  EXPECT_FALSE(rig.report.servo_limit || rig.report.servo_fault || rig.report.inhibited);
+  EXPECT_TRUE(rig.report.head.present);
+  EXPECT_GT(rig.report.head.pan_rad, 10 * kDeg) << "the landmark was on the left";
+  EXPECT_LT(rig.report.head.tilt_rad, -5 * kDeg) << "and below the middle";
+  EXPECT_FALSE(rig.report.head.limited || rig.report.head.failed || rig.report.head.inhibited);
 }
 
-TEST(HeadControl, StopsWithinOneFrameOfTheInhibitInput) {
+TEST(HeadOutput, StopsWithinOneFrameOfTheInhibitInput) {
   Rig rig;
   for (int i = 0; i < 3; ++i) rig.one_frame();
   rig.inhibit.active = true;
   const HeadAngles before = rig.head.state().angles;
-  rig.control.move();
   for (int i = 0; i < 3; ++i) rig.one_frame();
   EXPECT_EQ(rig.head.state().angles.pan_rad, before.pan_rad);
-  EXPECT_TRUE(rig.report.inhibited);
+  EXPECT_TRUE(rig.report.head.inhibited);
   EXPECT_EQ(rig.head.stops, 1) << "said once, not with every frame";
   rig.inhibit.active = false;
   for (int i = 0; i < 40; ++i) rig.one_frame();
   EXPECT_LT(rig.off_axis_rad(), 0.35 * kDeg);
 }
 
-TEST(HeadControl, GoesToASetPointAndSaysWhenItLiesBeyondTheLimits) {
+TEST(HeadOutput, GoesToASetPointAndSaysWhenItLiesBeyondTheLimits) {
   Rig rig({false, {}});
   rig.one_frame();
   EXPECT_EQ(rig.head.state().angles.pan_rad, 0);
-  rig.control.order({false, {-70 * kDeg, 5 * kDeg}});
-  for (int i = 0; i < 60; ++i) rig.control.aim(MonoTime(2s) + i * kFrame, rig.report), rig.control.move();
+  rig.output.order({false, {-70 * kDeg, 5 * kDeg}, 1});
+  for (int i = 0; i < 60; ++i) rig.output.take(rig.report, false, MonoTime(2s) + i * kFrame);
   EXPECT_NEAR(rig.head.state().angles.pan_rad, -50 * kDeg, 1e-9);
   EXPECT_NEAR(rig.head.state().angles.tilt_rad, 5 * kDeg, 1e-9);
-  EXPECT_TRUE(rig.report.servo_limit);
+  const HeadSnapshot snapshot = rig.output.snapshots().take();
+  EXPECT_TRUE(snapshot.limited);
+  EXPECT_EQ(snapshot.order, 1U);
+}
+
+TEST(HeadOutput, FollowsNothingThatIsNotNew) {
+  Rig rig;
+  rig.one_frame();
+  rig.one_frame();
+  ASSERT_TRUE(rig.report.valid);
+  const HeadAngles before = rig.head.state().angles;
+  for (int i = 0; i < 10; ++i) rig.output.take(rig.report, false, MonoTime(2s) + i * kFrame);
+  EXPECT_EQ(rig.head.state().angles.pan_rad, before.pan_rad);
+  EXPECT_EQ(rig.head.state().angles.tilt_rad, before.tilt_rad);
+}
+
+/// Takes its time, as a slow bus does, and remembers when it was told what.
+class SlowHead final : public PanTilt {
+ public:
+  void move_to(const HeadAngles& angles) noexcept override {
+    std::this_thread::sleep_for(30ms);
+    told_rad.store(angles.pan_rad);
+    ++moves;
+  }
+  void stop() noexcept override {}
+  HeadState state() const noexcept override {
+    HeadState state;
+    state.angles.pan_rad = told_rad;
+    return state;
+  }
+  std::atomic<double> told_rad{0};
+  std::atomic<int> moves{0};
+};
+
+class OrdinaryThread final : public FrameThread {
+ public:
+  int enter() noexcept override { return 1; }
+};
+
+TEST(HeadOutput, InAThreadOfItsOwnASlowHeadDelaysNoReportAndOrdersArriveWithoutFrames) {
+  SlowHead head;
+  HeadOutput output(CameraModel{}, aim_options(), head, nullptr, {});
+  Mailbox<Report> reports;
+  OrdinaryThread priority;
+  const OutputThread thread(reports, output, priority, 5ms);
+  EXPECT_EQ(thread.refused(), 1);
+  constexpr int kReports = 50;
+  std::chrono::nanoseconds in_all{};
+  for (int i = 0; i < kReports; ++i) {
+    const MonoTime begin = mono_now();
+    reports.publish(Report{});
+    (void)output.snapshots().take();
+    in_all += mono_now() - begin;
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_LT(in_all, kReports * 30ms / 2) << "far from a move of this head for each report";
+  output.order({false, {0.05, 0}, 3});
+  const MonoTime begin = mono_now();
+  while (output.snapshots().take().progress != OrderProgress::kDone && mono_now() < begin + 5s)
+    std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(head.told_rad, 0.05);
+  EXPECT_EQ(output.snapshots().take().order, 3U);
 }
 
 }  // namespace

@@ -1,0 +1,22 @@
+#pragma once
+/// What the head's thread tells the frame loop, after each of its steps.
+#include <chrono>
+#include <cstdint>
+#include <type_traits>
+
+#include "aim/head_track.h"
+#include "report/report.h"
+
+namespace ninedot {
+
+struct HeadSnapshot {
+  HeadTrack track;
+  bool limited = false, failed = false, inhibited = false;  ///< as in ReportHead
+  std::uint32_t order = 0;                                  ///< AimOrder::number of the order that it follows
+  OrderProgress progress = OrderProgress::kNone;            ///< of that order
+  std::uint32_t losses = 0;                                 ///< HeadState::losses
+  std::chrono::nanoseconds pulse_error_p99{}, pulse_error_max{};
+};
+static_assert(std::is_trivially_copyable_v<HeadSnapshot>);
+
+}  // namespace ninedot

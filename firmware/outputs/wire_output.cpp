@@ -1,0 +1,105 @@
+#include "outputs/wire_output.h"
+
+#include <cmath>
+
+#include "base/units.h"
+
+namespace ninedot {
+namespace {
+
+constexpr double kMmPerM = 1000;
+
+std::array<double, 3> scaled(const double* xyz, double factor) noexcept {
+  return {xyz[0] * factor, xyz[1] * factor, xyz[2] * factor};
+}
+
+WirePose wire_pose(const ReportPose& pose) noexcept {
+  return {scaled(pose.position_m.data(), kMmPerM), pose.quaternion_wxyz};
+}
+
+double ms_of(std::chrono::nanoseconds duration) noexcept { return static_cast<double>(duration.count()) * 1e-6; }
+
+void fill_pose(const Report& report, WireReport& wire) noexcept {
+  const auto variance = [&report](std::size_t axis) { return report.covariance[7 * axis]; };
+  wire.has_pose = true;
+  wire.exposed_at = report.exposed_at;
+  wire.landmark_id = report.landmark_id;
+  wire.camera_in_landmark = wire_pose(report.camera_in_landmark);
+  wire.camera_in_world = wire_pose(report.camera_in_world);
+  for (std::size_t axis = 0; axis < 3; ++axis) wire.sigma_landmark_mm[axis] = std::sqrt(variance(axis)) * kMmPerM;
+  wire.sigma_rotation_deg = std::sqrt(variance(3) + variance(4) + variance(5)) * kDegPerRad;
+  wire.sigma_world_mm = scaled(report.sigma_world.data(), kMmPerM);
+  wire.sigma_world_deg = scaled(report.sigma_world.data() + 3, kDegPerRad);
+  wire.ambiguity = report.ambiguity;
+  wire.rms_px = report.rms_px;
+  wire.dots_used = report.dots_used;
+  wire.occlusion_level = report.occlusion_level;
+  wire.swing_psi_deg = report.swing_psi_rad * kDegPerRad;
+  wire.tilt_phi_deg = report.tilt_phi_rad * kDegPerRad;
+  wire.pan_theta_deg = report.pan_theta_rad * kDegPerRad;
+  wire.distance_mm = report.distance_m * kMmPerM;
+}
+
+}  // namespace
+
+WireReport wire_report(const Report& report) noexcept {
+  WireReport wire;
+  wire.frames_processed = report.frames.processed;
+  wire.pose_sequence = report.pose_sequence;
+  wire.frame_number = report.frame_number;
+  if (report.frames.processed != 0) wire.latency_ms = ms_of(report.latency);
+  wire.process_us = static_cast<double>(report.process_time.count()) / 1000;
+  wire.valid = report.valid;
+  wire.found = report.found;
+  wire.ambiguous = report.ambiguous;
+  wire.calibrated = report.calibrated;
+  wire.tracking = report.tracking;
+  wire.ellipse_solver = report.solver == Solver::kEllipse;
+  wire.reason = report.reason;
+  wire.quality = report.quality;
+  if (report.has_pose) fill_pose(report, wire);
+  wire.has_head = report.head.present;
+  wire.servo_limit = report.head.limited;
+  wire.servo_fault = report.head.failed;
+  wire.inhibited = report.head.inhibited;
+  wire.pan_deg = report.head.pan_rad * kDegPerRad;
+  wire.tilt_deg = report.head.tilt_rad * kDegPerRad;
+  return wire;
+}
+
+MetricValues frame_metrics(const Report& report, const Health& health, MonoTime now) noexcept {
+  MetricValues out;
+  const auto latency_ms = [&health](std::chrono::nanoseconds value) {
+    return health.has_latency ? ms_of(value) : kUnknown;
+  };
+  out[MetricId::kFrameRate] = now <= health.rate_holds_until ? health.frame_rate_hz : 0;
+  out[MetricId::kFramesProcessed] = report.frames.processed;
+  out[MetricId::kFramesDropped] = report.frames.dropped;
+  out[MetricId::kFramesFailed] = report.frames.failed + health.frames_flagged;
+  out[MetricId::kCameraRestarts] = health.camera_restarts;
+  out[MetricId::kLatencyMedian] = latency_ms(health.latency_median);
+  out[MetricId::kLatencyP99] = latency_ms(health.latency_p99);
+  out[MetricId::kLatencyP999] = latency_ms(health.latency_p999);
+  out[MetricId::kLatencyMax] = latency_ms(health.latency_max);
+  const bool started = health.started_at != MonoTime{};
+  out[MetricId::kUptime] = started ? std::floor(ms_of(now - health.started_at) * 1e-3) : 0.0;
+  out[MetricId::kRealtime] = health.realtime ? 1 : 0;
+  out[MetricId::kMemoryLocked] = health.memory_locked ? 1 : 0;
+  out[MetricId::kTemperature] = health.temperature_degC;
+  out[MetricId::kHeadLosses] = health.head_losses;
+  out[MetricId::kPulseErrorP99] = ms_of(health.pulse_error_p99) * 1e3;
+  out[MetricId::kPulseErrorMax] = ms_of(health.pulse_error_max) * 1e3;
+  const WorkCounts& work = report.frames.work;
+  out[MetricId::kRunsCut] = work.runs_cut;
+  out[MetricId::kBlobsCut] = work.blobs_cut;
+  out[MetricId::kHypothesesCut] = work.hypotheses_cut;
+  out[MetricId::kNeighboursCut] = work.neighbours_cut;
+  return out;
+}
+
+WireState WireOutput::read(MonoTime now) const noexcept {
+  const Report report = reports_.read();
+  return {wire_report(report), frame_metrics(report, health_.read(), now)};
+}
+
+}  // namespace ninedot

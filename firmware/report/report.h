@@ -1,0 +1,103 @@
+#pragma once
+/// What the service knows after one frame, for everything inside this program. What other machines see of it is
+/// proto/wire_report.h.
+///
+/// Plain and trivially copyable; made in one place (pipeline/next_report.h) by the frame loop alone, never changed once
+/// it is published. Where several landmarks or several candidates of a pose come, they become lists of fixed capacity
+/// in here (base/inline_vector.h).
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <type_traits>
+
+#include "base/mono_time.h"
+#include "base/reason.h"
+
+namespace ninedot {
+
+/// Which solver answered.
+enum class Solver : std::uint8_t { kFull, kEllipse };
+
+/// Camera pose in a named frame: optical centre [m] and the unit quaternion (w, x, y, z; w >= 0) that rotates camera
+/// vectors into that frame.
+struct ReportPose {
+  std::array<double, 3> position_m{};
+  std::array<double, 4> quaternion_wxyz{1, 0, 0, 0};
+};
+
+/// How far the newest order to the head has come.
+enum class OrderProgress : std::uint8_t {
+  kNone,     ///< no order since the start
+  kRunning,  ///< under way
+  kDone,     ///< a set-point: the head stands there; to follow: the head follows
+  kFailed,   ///< the head fails, is inhibited, cannot go there, or did not arrive in time
+};
+
+/// The pan/tilt head's part.
+struct ReportHead {
+  bool present = false;              ///< there is one
+  double pan_rad = 0, tilt_rad = 0;  ///< when the frame of a valid pose was exposed, else now; 0 without a head
+  bool limited = false;              ///< it stands at an end of its range and should go further
+  bool failed = false;               ///< it could not be moved, or does not answer
+  bool inhibited = false;            ///< the inhibit input keeps it where it is
+  std::uint32_t order = 0;           ///< number of the order that it follows, see aim/aimer.h
+  OrderProgress progress = OrderProgress::kNone;
+
+  bool operator==(const ReportHead&) const = default;
+};
+
+/// What the search for the landmark had to leave out because a list of fixed capacity was full; since the start, wraps.
+struct WorkCounts {
+  std::uint32_t runs_cut = 0, blobs_cut = 0, hypotheses_cut = 0, neighbours_cut = 0;
+};
+
+/// Since the start; all wrap.
+struct FrameCounts {
+  std::uint32_t processed = 0;  ///< found or not: the heartbeat
+  std::uint32_t dropped = 0;    ///< lost between the sensor and the frame loop
+  std::uint32_t failed = 0;     ///< arrived, but unreadable or of a wrong size
+  WorkCounts work;
+};
+
+/// One frame's outcome. While nothing is found the pose, its covariance and `exposed_at` stay those of the last valid
+/// one, and `valid` is false: a stale pose never looks fresh.
+struct Report {
+  FrameCounts frames;
+  std::uint32_t pose_sequence = 0;          ///< +1 per valid pose; wraps
+  std::uint64_t frame_number = 0;           ///< of the frame this report is about
+  bool has_pose = false;                    ///< there has been a valid one: the numbers of the pose mean something
+  MonoTime exposed_at{};                    ///< middle of the exposure of the frame that the POSE is from
+  MonoTime published_at{};                  ///< when the frame loop published this report
+  std::chrono::nanoseconds latency{};       ///< mid-exposure to publish of the last processed frame
+  std::chrono::nanoseconds process_time{};  ///< detection and pose alone
+
+  bool valid = false;       ///< pose is of this very frame and usable
+  bool found = false;       ///< the frame shows a landmark
+  bool ambiguous = false;   ///< ambiguity above the configured limit
+  bool calibrated = false;  ///< a camera calibration was loaded
+  bool tracking = false;    ///< found where the track predicted it, without a full search
+  Reason reason = Reason::kStarting;
+  Solver solver = Solver::kFull;
+
+  std::uint16_t landmark_id = 0;
+  std::uint16_t quality = 0;  ///< 0..1000
+
+  ReportPose camera_in_landmark;  ///< frame S0 of the landmark
+  ReportPose camera_in_world;     ///< by the map; equals camera_in_landmark without one
+  /// Row-major 6x6 of (position in S0 [m], rotation vector in the camera frame [rad]).
+  std::array<double, 36> covariance{};
+  /// The same six 1-sigmas with the position along the world's axes: x y z [m], rotation about the world's x y z [rad].
+  std::array<double, 6> sigma_world{};
+
+  double ambiguity = 0;  ///< 0..1
+  double rms_px = 0;     ///< residual [px]
+  std::uint16_t dots_used = 0;
+  std::uint16_t occlusion_level = 0;
+  double swing_psi_rad = 0, tilt_phi_rad = 0, pan_theta_rad = 0;
+  double distance_m = 0, image_distance_m = 0, deviation_rad = 0;
+
+  ReportHead head;
+};
+static_assert(std::is_trivially_copyable_v<Report>);
+
+}  // namespace ninedot

@@ -1,0 +1,72 @@
+#pragma once
+/// What other machines see of one report: the numbers that registers and CSV rows are made from, in the units of the
+/// outside, mm and degrees. Not a number = unknown: nothing of a pose is known before the first one.
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+#include "base/mono_time.h"
+#include "base/reason.h"
+#include "proto/metrics.h"
+
+namespace ninedot {
+
+inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+inline constexpr std::uint16_t kNoLandmarkYet = 0xFFFF;
+
+/// A camera's pose in a named frame.
+struct WirePose {
+  std::array<double, 3> position_mm{kUnknown, kUnknown, kUnknown};
+  std::array<double, 4> quaternion_wxyz{kUnknown, kUnknown, kUnknown, kUnknown};  ///< rotates camera vectors into it
+};
+
+struct WireReport {
+  std::uint32_t frames_processed = 0;
+  std::uint32_t pose_sequence = 0;
+  std::uint64_t frame_number = 0;
+  bool has_pose = false;         ///< there has been one
+  MonoTime exposed_at{};         ///< of the pose
+  double latency_ms = kUnknown;  ///< of the last processed frame
+  double process_us = 0;
+
+  bool valid = false, found = false, ambiguous = false, calibrated = false, tracking = false;
+  bool ellipse_solver = false;  ///< else "full"
+  Reason reason = Reason::kStarting;
+
+  std::uint16_t landmark_id = kNoLandmarkYet;
+  std::uint16_t quality = 0;  ///< 0..1000
+  WirePose camera_in_landmark, camera_in_world;
+  std::array<double, 3> sigma_landmark_mm{kUnknown, kUnknown, kUnknown};  ///< of the position along the landmark's axes
+  double sigma_rotation_deg = kUnknown;                                   ///< root of the sum of the three variances
+  std::array<double, 3> sigma_world_mm{kUnknown, kUnknown, kUnknown};
+  std::array<double, 3> sigma_world_deg{kUnknown, kUnknown, kUnknown};  ///< of the rotation about the world's axes
+
+  double ambiguity = kUnknown;  ///< 0..1
+  double rms_px = kUnknown;
+  std::uint16_t dots_used = 0, occlusion_level = 0;
+  double swing_psi_deg = kUnknown, tilt_phi_deg = kUnknown, pan_theta_deg = kUnknown;
+  double distance_mm = kUnknown;
+
+  bool has_head = false, servo_limit = false, servo_fault = false, inhibited = false;
+  double pan_deg = 0, tilt_deg = 0;  ///< 0 without a head
+};
+static_assert(std::is_trivially_copyable_v<WireReport>);
+
+/// One moment of the service as others see it.
+struct WireState {
+  WireReport report;
+  MetricValues metrics;  ///< what the report and the frame loop say; the Modbus servers add their own
+};
+
+/// Where Modbus servers get what they show.
+class WireSource {
+ public:
+  /// The newest. \param now  the moment of the reply. Memory: none. Threads: any; never waits.
+  virtual WireState read(MonoTime now) const noexcept = 0;
+
+ protected:
+  ~WireSource() = default;
+};
+
+}  // namespace ninedot
