@@ -124,7 +124,7 @@ OpenedHead open_head(const Config& config, const CameraModel& camera) {
   if (config.pan_tilt.driver != "none") {
     head.servos = open_late(config, head.inhibit.get(), head.devices);
     head.output = std::make_unique<HeadOutput>(camera, aim_options(config.pan_tilt), *head.servos, head.inhibit.get(),
-                                                 first_order(config.pan_tilt));
+                                               first_order(config.pan_tilt));
   } else if (!gpio.servo_power.empty()) {
     head.lone_power = open_late_output("servo power", {gpio.servo_power, gpio.servo_power_active_low}, head.devices);
   }

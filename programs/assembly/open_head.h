@@ -17,7 +17,7 @@ namespace ninedot {
 struct OpenedHead {
   std::unique_ptr<DigitalOutput> status_led;  ///< null: none is configured
   std::unique_ptr<DigitalInput> inhibit;      ///< null: none is configured
-  std::unique_ptr<PanTilt> servos;       ///< null: driver "none". With their power, which goes on last and off first
+  std::unique_ptr<PanTilt> servos;     ///< null: driver "none". With their power, which goes on last and off first
   std::unique_ptr<HeadOutput> output;  ///< null: driver "none"
   /// Power with driver "none", to be set again and again; else null.
   std::unique_ptr<DigitalOutput> lone_power;

@@ -62,8 +62,11 @@ class EvenFramesAreFound final : public FrameProcessor {
     if (frame.number % 2 != 0) return fix_;
     fix_.found = true;
     fix_.reason = Reason::kNone;
-    fix_.quality = 900;
-    fix_.T_world_camera.translation_m.x() = static_cast<double>(frame.number);
+    LandmarkFix landmark;
+    (void)landmark.candidates.list.try_push_back({});
+    landmark.quality = 900;
+    landmark.T_world_camera.translation_m.x() = static_cast<double>(frame.number);
+    (void)fix_.landmarks.try_push_back(landmark);
     return fix_;
   }
 

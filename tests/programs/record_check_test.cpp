@@ -12,8 +12,8 @@
 #include "base/startup_error.h"
 #include "drivers/modbus/server.h"
 #include "programs/commands/commands.h"
-#include "tests/recording/temporary_recording.h"
 #include "tests/proto/wire_box.h"
+#include "tests/recording/temporary_recording.h"
 
 namespace ninedot {
 namespace {
