@@ -149,6 +149,38 @@ TEST(FullSolver, ReportsTheOtherSolutionOfADistantFrontalLandmark) {
   EXPECT_GT(most, 0.05);
 }
 
+/// The sheet's normal is nearer to its mirror image about the line of sight than to the truth.
+bool is_on_the_wrong_side(const test::Scene& scene, const PoseEstimate& pose) {
+  const auto& [w, x, y, z] = scene.camera.quaternion_wxyz;
+  const Eigen::Matrix3d true_R = Eigen::Quaterniond(w, x, y, z).toRotationMatrix();
+  const Eigen::Vector3d sight = true_R.transpose() * Eigen::Vector3d(scene.camera.position_m.data()).normalized();
+  const Eigen::Vector3d normal = true_R.row(1), found = pose.T_landmark_camera.rotation.row(1);
+  return found.dot(2 * normal.dot(sight) * sight - normal) > found.dot(normal);
+}
+
+TEST(FullSolver, LooksAtTheMirrorImageAlsoWhereBothStartsAreOne) {
+  // Far and nearly frontal: noise hides that the dots' centres allow two poses, but the outlines do.
+  int poses = 0, wrong = 0, wrong_and_sure = 0;
+  for (const double distance_m : {5.0, 6.5, 8.0})
+    for (const double tilt_deg : {7.0, 12.0, 20.0})
+      for (std::uint64_t seed = 0; seed < 8; ++seed) {
+        const test::Scene scene = scene_at(
+            {.distance_m = distance_m, .tilt_rad = tilt_deg * kDegree, .azimuth_rad = 0.8 * static_cast<double>(seed)},
+            2.0);
+        const auto pose = pose_of(test::render(scene, seed));
+        if (!pose) continue;
+        ++poses;
+        if (!is_on_the_wrong_side(scene, *pose)) continue;
+        ++wrong;
+        if (pose->ambiguity < 1e-4) ++wrong_and_sure;
+      }
+  RecordProperty("poses", poses);
+  RecordProperty("on_the_wrong_side", wrong);
+  EXPECT_GT(poses, 50);
+  EXPECT_GT(wrong, 0) << "the test shows nothing";
+  EXPECT_EQ(wrong_and_sure, 0) << "of " << wrong << " on the wrong side, " << poses << " in all";
+}
+
 TEST(FullSolver, ReportsTheFoundingPapersQuantities) {
   const auto pose = pose_of(test::render(scene_at({.distance_m = 1.3, .tilt_rad = 35 * kDegree}), 5));
   ASSERT_TRUE(pose.has_value());
