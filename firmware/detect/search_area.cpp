@@ -37,7 +37,7 @@ BlobFinder::Levels levels_for(const Eigen::Matrix3d& H_ray_plane, const CameraMo
 
 std::optional<SearchArea> search_area_around(const Eigen::Matrix3d& H_ray_plane, const CameraModel& camera,
                                              const LandmarkGeometry& landmark) noexcept {
-  constexpr int kDirections = 16;
+  constexpr int kDirections = 16;  // of the circle around all dots: between two it bulges by 2 % of its radius
   // Of the box, on every side. A robot that drives up at 1 m/s moved a side of the box by 0.10 of its width at most
   // between two frames at 35 Hz (true poses of the recording `motion`), and by 0.28 over three (`approach`): two frames
   // may be lost.

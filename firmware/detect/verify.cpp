@@ -196,8 +196,8 @@ class Evidence {
   /// Stands out from all around by as much, in proportion to the light, as ink does: not a stain on something that
   /// hides the sheet.
   bool is_ink_on_paper(const Eigen::Vector2d& plane_m) const noexcept {
-    constexpr double kLikeInk = 0.75;
-    constexpr int kAround = 8;
+    constexpr double kLikeInk = 0.75;  // of the typical contrast: a stain has half of ink's
+    constexpr int kAround = 8;         // two of them may lie on the next dot's blur
     const auto middle = sample(luma_, map_point(H_, plane_m));
     if (!middle) return false;
     int standing_out = 0;

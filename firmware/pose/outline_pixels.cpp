@@ -12,9 +12,9 @@
 namespace ninedot {
 namespace {
 
-constexpr double kWholeDotBelow_px = 7.0;  // semi-minor axis; larger dots are cut into stretches of kSector_px
-constexpr double kSector_px = 12.0;
-constexpr double kBlurReach_px = 2.0;   // beyond the band, from where an edge still changes the band's outermost pixels
+constexpr double kWholeDotBelow_px = 7.0;  // semi-minor axis; larger dots are cut into stretches of kSector_px:
+constexpr double kSector_px = 12.0;    // in a band of 5 px 60 pixels, enough for two grey levels and a shift of 0.01 px
+constexpr double kBlurReach_px = 2.0;  // beyond the band, from where an edge still changes the band's outermost pixels
 constexpr double kSplitAbove_px = 2.0;  // semi-minor axis; an eighth of a smaller outline is less than two pixels
 
 /// One dot's outline in the picture, as an ellipse.
