@@ -60,7 +60,7 @@ struct Metric {
   MetricKind kind;
   std::uint16_t address;     ///< its register; kFlag: its bit in register `health_flags`
   RegisterType type;         ///< kU16, kI16, kU32: saturates; kCounter32: wraps; kFlag: kBits16
-  double step;               ///< of the register, in `unit`
+  double step;               ///< one step of the register, in `unit`
   std::string_view counted;  ///< where: the part of the service that counts or measures it
   std::string_view row;      ///< of the table that people see
   std::string_view words;    ///< there: "{}" is the value; a flag: "when set|when not"; empty: not shown

@@ -27,7 +27,8 @@ struct RegisterCodecOptions {
 
 /// Registers 100-107 as one client sees them.
 struct CommandRegisters {
-  std::uint16_t command = 0, sequence = 0, acknowledge = 0;
+  std::uint16_t command = 0, sequence = 0;
+  std::uint16_t acknowledge = 0;  ///< sequence number of the last command that has ended
   CommandResult result = CommandResult::kNone;
   bool hold = false;
   double pan_set_point_deg = 0, tilt_set_point_deg = 0;
@@ -43,15 +44,16 @@ struct ServerState {
 
 using RegisterBlock = std::array<std::uint16_t, kRegisterCount>;
 
-/// The whole map for one reply. Unmapped addresses are 0.
+/// The whole map for one reply, words by address. Unmapped addresses are 0.
 RegisterBlock encode_registers(const WireReport& report, const MetricValues& metrics, const ServerState& server,
                                const RegisterCodecOptions& options) noexcept;
 
-/// One value into its words. \param value in the entry's unit
+/// One value into its words. \param value  [unit of the entry]
 void encode_value(const RegisterEntry& entry, double value, const RegisterCodecOptions& options,
                   std::span<std::uint16_t> words) noexcept;
 
-/// One value from its words, in the entry's unit; NaN for the signed "unknown". \param words entry.words() of them
+/// One value from its words. \param words  entry.words() of them
+/// \return  [unit of the entry]; NaN for the signed "unknown"
 double decode_value(const RegisterEntry& entry, std::span<const std::uint16_t> words,
                     const RegisterCodecOptions& options) noexcept;
 
@@ -62,9 +64,9 @@ class RegisterReader {
   explicit RegisterReader(std::span<const std::uint16_t> registers, const RegisterCodecOptions& options = {}) noexcept
       : registers_(registers), options_(options) {}
 
-  /// In the unit of the table. \param address the first word of an entry that was read (contract)
+  /// \param address  of the first word of an entry that was read (contract) \return  [unit of the entry]
   double value(std::uint16_t address) const noexcept;
-  std::uint32_t integer(std::uint16_t address) const noexcept;  ///< an unsigned entry or a counter
+  std::uint32_t integer(std::uint16_t address) const noexcept;  ///< an unsigned entry or a counter, in steps
   bool status(std::uint16_t bit) const noexcept { return (integer(reg::kStatus) & bit) != 0; }
 
   /// The device is ours and speaks this map.

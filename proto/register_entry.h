@@ -18,7 +18,7 @@ struct RegisterEntry {
   double scale;           ///< one step, in `unit`; the default where `scale_is_configured`
   std::string_view unit;  ///< empty: a plain number
   std::int64_t lowest;    ///< range in steps: values beyond saturate there (counters wrap)
-  std::int64_t highest;
+  std::int64_t highest;   ///< the range's other end, in steps
   RegisterAccess access;
   std::string_view meaning;
   bool scale_is_configured = false;

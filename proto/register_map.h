@@ -190,19 +190,21 @@ struct RegisterBit {
 
 /// Bits of register `status`. Normative.
 namespace status_bit {
+/// Masks [1].
 inline constexpr std::uint16_t kValid = 1U << 0, kFound = 1U << 1, kAmbiguous = 1U << 2, kStale = 1U << 3,
                                kCalibrated = 1U << 4, kServoLimit = 1U << 5, kThrottled = 1U << 6, kTracking = 1U << 7,
                                kEllipseSolver = 1U << 8, kHeld = 1U << 9, kWritesEnabled = 1U << 10,
                                kInhibited = 1U << 11, kServoFault = 1U << 12, kHasHead = 1U << 13;
-}
+}  // namespace status_bit
 extern const std::span<const RegisterBit> kStatusBits;
 
 /// Bits of register `health_flags`. Normative; the flags of kMetrics.
 namespace health_bit {
+/// Masks [1].
 inline constexpr std::uint16_t kRealtime = metric_of(MetricId::kRealtime).address,
                                kMemoryLocked = metric_of(MetricId::kMemoryLocked).address,
                                kSerialOpen = metric_of(MetricId::kSerialOpen).address;
-}
+}  // namespace health_bit
 extern const std::span<const RegisterBit> kHealthBits;
 
 /// A number and what it stands for: codes in registers.

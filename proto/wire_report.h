@@ -12,7 +12,9 @@
 
 namespace ninedot {
 
+/// Stands for what is not known, whatever its unit: mm, degrees, ms, px.
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+/// WireReport::landmark_id before the first pose [1].
 inline constexpr std::uint16_t kNoLandmarkYet = 0xFFFF;
 
 /// A camera's pose in a named frame.
@@ -62,7 +64,7 @@ struct WireState {
 /// Where Modbus servers get what they show.
 class WireSource {
  public:
-  /// The newest. \param now  the moment of the reply. Memory: none. Threads: any; never waits.
+  /// The newest. \param now  the moment of the reply. Memory: none. Threads: any ordinary one; never sleeps.
   virtual WireState read(MonoTime now) const noexcept = 0;
 
  protected:

@@ -2,7 +2,6 @@
 """Fails on a public number that does not say its unit.
 
     tests/units_test.py [ROOT]         checks the headers of firmware/, drivers/ and proto/ (default: the tree that this script is in)
-    tests/units_test.py --all [ROOT]   the same, and lists what is missing in the headers of NOT_YET too
     tests/units_test.py --self-test    proves on made-up headers what is caught and what passes
 
 Looked at: every member, constant, parameter and return value that others can see and whose type is a number, an Eigen vector or
@@ -22,20 +21,6 @@ import sys
 import tempfile
 
 TOPS = ("firmware", "drivers", "proto")
-
-# Headers, or whole folders, that are still to be done. An entry that has become clean, or that is gone, fails: the list can only shrink.
-NOT_YET = [
-    "drivers/camera",
-    "drivers/modbus",
-    "drivers/picture",
-    "firmware/detect",
-    "firmware/image",
-    "firmware/pipeline",
-    "firmware/pose",
-    "proto/register_codec.h",
-    "proto/register_map.h",
-    "proto/report.h",
-]
 
 UNITS = set("""px px2 m m2 mm mm2 um rad rad2 deg deg2 hz khz lsb s ms us ns bytes kb mb bits degc celsius kelvin baud
                units radii steps percent permille ppm""".split())
@@ -370,23 +355,6 @@ def examine(root):
     return result
 
 
-def verdict(result, not_yet):
-    """(what is wrong, what the headers of `not_yet` lack)"""
-    wrong, later = [], []
-    for entry in not_yet:
-        under = [path for path in result if path == entry or path.startswith(entry + "/")]
-        if not under:
-            wrong.append(f"{entry}: is gone: take it off NOT_YET in tests/units_test.py")
-        elif not any(result[path][0] for path in under):
-            wrong.append(f"{entry}: has its units now: take it off NOT_YET in tests/units_test.py")
-    for path, (missing, _) in result.items():
-        if any(path == entry or path.startswith(entry + "/") for entry in not_yet):
-            later += missing
-        else:
-            wrong += missing
-    return wrong, later
-
-
 # One header each, and the numbers in it that must be called.
 HEADERS = [
     ("struct A {\n  double width_px = 0, gap = 0;\n};", ["gap"]),
@@ -426,13 +394,7 @@ def self_test():
             missing, _ = examine(root)["firmware/base/a.h"]
             called = [line.split(": ")[-1].removeprefix("returned by ") for line in missing]
             assert called == expected, f"{text}\nmust call {expected}, called {missing}"
-    result = {"proto/a.h": (["proto/a.h:1: gap"], 2), "proto/b.h": ([], 2), "drivers/x/c.h": (["drivers/x/c.h:1: gap"], 1)}
-    assert verdict(result, []) == (["proto/a.h:1: gap", "drivers/x/c.h:1: gap"], [])
-    assert verdict(result, ["proto/a.h", "drivers/x"]) == ([], ["proto/a.h:1: gap", "drivers/x/c.h:1: gap"])
-    for entry, why in [("proto/b.h", "has its units now"), ("proto/gone.h", "is gone")]:
-        wrong, _ = verdict(result, ["proto/a.h", "drivers/x", entry])
-        assert len(wrong) == 1 and wrong[0].startswith(entry) and why in wrong[0], wrong
-    print(f"units: the check calls what is missing in {len(HEADERS)} headers, and entries that outlived their reason")
+    print(f"units: the check calls what is missing in {len(HEADERS)} headers")
 
 
 def main():
@@ -440,21 +402,18 @@ def main():
     if arguments == ["--self-test"]:
         self_test()
         return 0
-    show_all = arguments[:1] == ["--all"]
-    arguments = arguments[show_all:]
     root = arguments[0] if arguments else os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
     result = examine(root)
     total = sum(count for _, count in result.values())
     if total == 0:
         print(f"units: no public numbers under {root}", file=sys.stderr)
         return 1
-    wrong, later = verdict(result, NOT_YET)
-    for line in wrong + (later if show_all else []):
+    wrong = [line for missing, _ in result.values() for line in missing]
+    for line in wrong:
         print(line, file=sys.stderr)
-    lacking = sum(len(missing) for missing, _ in result.values())
     with_numbers = [missing for missing, count in result.values() if count]
     clean = sum(not missing for missing in with_numbers)
-    print(f"units: {total - lacking} of {total} public numbers say theirs ({100 * (total - lacking) / total:.1f} %), "
+    print(f"units: {total - len(wrong)} of {total} public numbers say theirs ({100 * (total - len(wrong)) / total:.1f} %), "
           f"all of them in {clean} of {len(with_numbers)} headers ({100 * clean / len(with_numbers):.1f} %)")
     if wrong:
         print("units: give the unit in the name (_px _m _rad ...) or in the documentation ([px] [m] ...; [1]: none), see tests/units_test.py",

@@ -47,17 +47,21 @@ struct GrabbedFrame {
   std::uint32_t flagged = 0;   ///< buffers given back as damaged since then
 };
 
+/// Threads: see each method. One thread opens and closes a device, another one grabs from it; they hand it over between
+/// them (ReopeningSource), so that none of `open`, `close` and `grab` runs beside another.
 class CameraDevice {
  public:
   virtual ~CameraDevice() = default;
   /// Opens, agrees on a format, sets all controls, starts. May take a second and may allocate. Throws CameraRefused;
-  /// then the device is closed again. Not while it is open (contract).
+  /// then the device is closed again. Not while it is open (contract). Threads: one at a time.
   virtual void open() = 0;
-  /// Stops and gives everything back; harmless when closed. No buffer may be lent.
+  /// Stops and gives everything back; harmless when closed. No buffer may be lent. Threads: as `open`, never beside
+  /// `grab`.
   virtual void close() noexcept = 0;
   /// What was agreed on, for the log: "GREY 640x480, 30 Hz, exposure 5000 us". Empty before the first opening.
+  /// Threads: the one that opens.
   virtual std::string description() const = 0;
-  /// Of the newest opening.
+  /// Of the newest opening. Threads: the one that opens.
   virtual std::chrono::nanoseconds frame_period() const noexcept = 0;
 
   /// The newest frame. One that is there is returned whatever the deadline.
@@ -65,7 +69,7 @@ class CameraDevice {
   ///        device must be closed and opened again.
   /// Memory: none of ours. Threads: one caller, while open.
   virtual Result<GrabbedFrame> grab(MonoTime deadline) noexcept = 0;
-  /// Any thread, while open; the frame loop's above all: waits for nobody.
+  /// Threads: any, while open; the frame loop's above all: waits for nobody.
   virtual void release(std::uint32_t buffer) noexcept = 0;
 
   /// Asks the device what may have changed by itself since it was opened, such as an automatic exposure. May block as

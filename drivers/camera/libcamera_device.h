@@ -23,7 +23,8 @@ namespace ninedot {
 /// FrameMetadata that a pipeline left unfilled (the virtual pipeline of 0.4 does; no plane has a byte in it, and the
 /// time stamp is not the sensor's) is not believed: then the request's own status and sequence count.
 ///
-/// Only one object of this class may be open in a process: libcamera permits one camera manager.
+/// Only one object of this class may be open in a process: libcamera permits one camera manager. Threads: as each
+/// method of CameraDevice says.
 class LibcameraDevice final : public CameraDevice {
  public:
   explicit LibcameraDevice(const CameraRequest& request);

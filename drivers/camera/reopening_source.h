@@ -36,8 +36,8 @@ struct ReopenOptions {
 /// Frame::number grows for ever, across openings. A frame counts as dropped when the device's sequence skips it or a
 /// newer one replaced it; damaged ones are counted apart, in SourceCounters::flagged.
 ///
-/// Memory: nothing of ours is allocated by `next`. Threads: one caller of `next`; leases may be given back by any.
-/// Both work on atomics alone and never wait for a lock.
+/// Memory: nothing of ours is allocated by `next`. Threads: see each method; leases may be given back by any thread,
+/// which waits for no lock either.
 class ReopeningSource final : public FrameSource, private FrameOwner {
  public:
   /// Opens the device. Throws CameraRefused, unless options.wait_for_device: then it goes on trying, whatever the
@@ -47,7 +47,9 @@ class ReopeningSource final : public FrameSource, private FrameOwner {
   ReopeningSource(const ReopeningSource&) = delete;
   ReopeningSource& operator=(const ReopeningSource&) = delete;
 
+  /// Threads: one caller; works on atomics alone and never waits for a lock.
   Result<FrameLease> next(MonoTime deadline) noexcept override;
+  /// Threads: any; waits for nobody.
   SourceCounters counters() const noexcept override;
 
   /// What the device agreed to at its newest opening, or why the newest attempt to open it failed. Allocates, and

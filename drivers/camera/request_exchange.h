@@ -23,20 +23,22 @@ class RequestExchange {
   RequestExchange(const RequestExchange&) = delete;
   RequestExchange& operator=(const RequestExchange&) = delete;
 
-  /// The request has a picture; the newest wins, and the one that it replaces is queued again. The camera's thread.
+  /// The request has a picture; the newest wins, and the one that it replaces is queued again.
+  /// \param request  its number [1]. Threads: one, the camera's.
   void complete(std::uint32_t request) noexcept;
-  /// The request's picture is damaged: it is counted and queued again. The camera's thread.
+  /// The request's picture is damaged: it is counted and queued again.
+  /// \param request  its number [1]. Threads: the camera's.
   void complete_damaged(std::uint32_t request) noexcept;
-  /// From now on `take` fails. \param why  a literal. Any thread.
+  /// From now on `take` fails. \param why  a literal. Threads: any.
   void lose(const char* why) noexcept;
 
   /// The newest completed request. Waits at most until `deadline`, and never for a lock.
-  /// \error kNoFrame, kCameraLost. The frame loop.
+  /// \error kNoFrame, kCameraLost. Threads: one, the frame loop's.
   Result<NewestWins::Taken> take(MonoTime deadline) noexcept;
-  /// Returns at once. Any thread, in real time as well.
+  /// Returns at once. \param request  its number [1]. Threads: any, in real time as well.
   void give_back(std::uint32_t request) noexcept;
 
-  /// After this nothing is queued again. The thread that made it.
+  /// After this nothing is queued again. Threads: the one that made this object.
   void stop() noexcept;
 
  private:

@@ -25,6 +25,8 @@ namespace ninedot {
 /// no exposure time of a single frame: an automatic one is as old as the newest `refresh`.
 ///
 /// Frame::zoom is the camera's position; gain and focus are unknown, as V4L2's are in units of the driver's own.
+///
+/// Threads: as each method of CameraDevice says.
 class V4l2Device final : public CameraDevice {
  public:
   /// One with the caller, one ready, two for the driver to fill. A driver may give more or fewer, two at least.

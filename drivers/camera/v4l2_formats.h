@@ -17,6 +17,7 @@ struct OfferedSize {
   int width_step_px = 1, height_step_px = 1;
   double max_rate_hz = 0;  ///< 0 = the driver does not say
 
+  /// \param width, height  [px]
   bool contains(int width, int height) const noexcept;
 };
 

@@ -7,12 +7,14 @@
 
 namespace ninedot {
 
-/// Every call answers with 0 or more, or with -errno. Interrupted calls are repeated inside.
+/// Every call answers with 0 or more, or with -errno. Interrupted calls are repeated inside. Threads: any, several at a
+/// time on one descriptor (CameraDevice::refresh asks while `grab` takes pictures), but for `close`.
 class VideoKernel {
  public:
-  /// A device node for reading and writing, not blocking.
+  /// A device node for reading and writing, not blocking. \return  the file descriptor, or -errno
   virtual int open(const char* path) noexcept = 0;
   virtual void close(int fd) noexcept = 0;
+  /// \param request  number of the call: VIDIOC_... [1] \return  0, or -errno
   virtual int ioctl(int fd, unsigned long request, void* argument) noexcept = 0;
   /// \return  nullptr: the mapping was refused
   virtual void* map(int fd, std::size_t bytes, std::uint32_t offset) noexcept = 0;

@@ -6,8 +6,8 @@
 
 namespace ninedot {
 
-/// At most one command and one watchdog event wait at a time: a second command meets exception 06 until the first one
-/// is finished, a second watchdog event is the same event.
+/// At most one command and one watchdog event wait at a time: a second command takes the first one's place, a second
+/// watchdog event is the same event.
 struct ClientCommand {
   Command command = Command::kNone;
   std::uint16_t sequence = 0;        ///< for ModbusServer::finish_command

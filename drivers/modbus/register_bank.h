@@ -23,7 +23,7 @@ enum class ModbusException : std::uint8_t {
   kDeviceFailure = 4,
 };
 
-/// What belongs to one client: a TCP connection, or the serial line.
+/// What belongs to one client: a TCP connection, or the serial line. Threads: one, that of its server.
 struct ClientSession {
   std::optional<WireReport> held;  ///< the report that HOLD froze
   MonoTime held_until{};
@@ -31,7 +31,8 @@ struct ClientSession {
   MonoTime last_request_at{};
 };
 
-/// Counted by the server threads, read by anybody. What each one means: proto/metrics.h.
+/// What each one means: proto/metrics.h. Threads: the servers' count, any reads; each one is right by itself, and two
+/// of them need not be of the same moment.
 struct BankCounters {
   std::atomic<std::uint64_t> requests{0}, exceptions{0}, bus_errors{0};
   std::atomic<std::uint64_t> connections{0}, connections_refused{0}, connections_expired{0};
@@ -42,7 +43,9 @@ struct BankCounters {
   std::atomic<std::int64_t> serial_heard_ns{0};  ///< when the serial line last brought a request for us; 0 = never
 };
 
-/// Threads: any, except that one session belongs to one thread. Never touched by the frame loop.
+/// Threads: see each method; ordinary ones all, never the frame loop's. Where a method waits for a lock, nobody holds
+/// it for longer than it takes to copy a few words or one report. One session belongs to one thread at a time, several
+/// sessions may be served at once.
 class RegisterBank {
  public:
   using Clock = MonoTime (*)() noexcept;
@@ -50,25 +53,30 @@ class RegisterBank {
   /// \param source  must outlive the bank \param clock  for tests
   RegisterBank(const WireSource& source, const ModbusOptions& options, Clock clock = mono_now) noexcept;
 
-  /// The whole map for one reply, all of it from one report.
+  /// The whole map for one reply, all of it from one report. \return  raw words by address [1]
+  /// Threads: any, each with a session of its own; may wait for the lock.
   RegisterBlock read(ClientSession& session) noexcept;
 
-  /// Writes consecutive registers, all of them or none. \return nothing, or the exception that answers
+  /// Writes consecutive registers, all of them or none. \return  nothing, or the exception that answers
+  /// Threads: as `read`.
   std::optional<ModbusException> write(ClientSession& session, std::uint16_t first,
                                        std::span<const std::uint16_t> values) noexcept;
 
-  /// To be called for each complete request, before it is answered.
+  /// To be called for each complete request, before it is answered. Threads: as `read`.
   void request_arrived(ClientSession& session) noexcept;
-  /// Fires the session's watchdog if its time is over. \return when to call again, nothing while it is off
+  /// Fires the session's watchdog if its time is over. \return  when to call again, nothing while it is off
+  /// Threads: as `read`.
   std::optional<MonoTime> check_watchdog(ClientSession& session) noexcept;
-  /// The client is gone; an armed watchdog fires.
+  /// The client is gone; an armed watchdog fires. Threads: as `read`.
   void client_left(ClientSession& session) noexcept;
 
   /// The newest one not yet taken; what it took the place of is forgotten.
+  /// Threads: one, whoever carries commands out; may wait for the lock.
   std::optional<ClientCommand> try_take_command() noexcept;
-  /// No effect where a newer command has taken its place.
+  /// No effect where a newer command has taken its place. Threads: any; may wait for the lock.
   void finish_command(std::uint16_t sequence, bool succeeded) noexcept;
 
+  /// Threads: any, both.
   bool writes_enabled() const noexcept { return options_.allow_writes; }
   MonoTime now() const noexcept { return clock_(); }
 

@@ -32,8 +32,9 @@ class RtuServer {
   RtuServer(const RtuServer&) = delete;
   RtuServer& operator=(const RtuServer&) = delete;
 
+  /// Allocates; waits for nobody. Threads: any.
   void append_clients(std::vector<ConnectedClient>& clients) const;
-  /// Why the line is not open; empty: it is. Any thread.
+  /// Why the line is not open; empty: it is. Allocates, may wait for the thread that opens. Threads: any.
   std::string problem() const { return problem_.read(); }
 
  private:

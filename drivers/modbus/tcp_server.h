@@ -21,7 +21,8 @@
 
 namespace ninedot {
 
-/// Listens from construction to destruction. The bank must outlive it.
+/// Listens from construction to destruction. The bank must outlive it. Threads: any ordinary one for each method; those
+/// that read clients may wait for one round of the server's thread, which waits for no socket.
 class TcpServer {
  public:
   /// Throws StartupError naming the address: kWrongUsage where it is none, kWorkFailed where it can't be listened on.
@@ -32,8 +33,7 @@ class TcpServer {
 
   std::uint16_t port() const noexcept { return port_; }
   void append_clients(std::vector<ConnectedClient>& clients) const;
-  /// The client that was refused last and why: "10.0.0.9:40012 is not on the list `allow`"; empty: none was. Any
-  /// thread.
+  /// The client that was refused last and why: "10.0.0.9:40012 is not on the list `allow`"; empty: none was.
   std::string last_refusal() const;
 
  private:

@@ -68,16 +68,19 @@ class PictureDecoder {
 Result<PictureSize> read_picture_size(std::span<const std::uint8_t> file) noexcept;
 
 /// A PNG file of 8-bit grey pixels, replacing the contents of `file` (whose capacity is reused).
+/// \return  bytes of the file
 /// \error kIo with ENOMEM: libpng could not allocate.
 Result<std::size_t> encode_png_grey(const ImageView& luma, std::vector<std::uint8_t>& file);
 
 /// The same for R, G, B of each pixel, rows without gaps. \param rgb  3 * size.pixel_count() bytes (contract)
+/// \return  bytes of the file
 Result<std::size_t> encode_png_rgb(std::span<const std::uint8_t> rgb, PictureSize size,
                                    std::vector<std::uint8_t>& file);
 
-/// Writes an overlay (write_whole_file, Durability::kWhenConvenient). \error kIo with errno.
+/// Writes an overlay (write_whole_file, Durability::kWhenConvenient). \return  bytes of the file
+/// \error kIo with errno.
 Result<std::size_t> write_png_rgb(const std::string& path, std::span<const std::uint8_t> rgb, PictureSize size);
-/// The same for 8-bit grey.
+/// The same for 8-bit grey. \return  bytes of the file
 Result<std::size_t> write_png_grey(const std::string& path, const ImageView& luma);
 
 }  // namespace ninedot

@@ -17,7 +17,7 @@ Result<PictureSize> read_png_size(std::span<const std::uint8_t> file) noexcept;
 Result<bool> decode_png(std::span<const std::uint8_t> file, PictureSize size, std::span<std::uint8_t> luma,
                         std::span<std::uint8_t> rgb) noexcept;
 
-/// \param channels  1 (grey) or 3 (R, G, B)
+/// \param channels  1 (grey) or 3 (R, G, B) \return  bytes of the file
 Result<std::size_t> encode_png(const std::uint8_t* pixels, std::ptrdiff_t stride_bytes, PictureSize size, int channels,
                                std::vector<std::uint8_t>& file);
 

@@ -11,19 +11,19 @@ namespace ninedot {
 /// An eventfd. A ring is not lost: one that came before `wait_until` ends it at once; several count as one.
 ///
 /// What is told is not in the bell: the caller stores it in atomics first, rings, and the one who wakes looks there.
-/// Memory: a descriptor. Threads: `ring` any, in real time as well (a system call that never blocks, 0.3 us);
-/// `wait_until` one.
+/// Memory: a descriptor. Threads: see each method.
 class Doorbell {
  public:
   /// No more descriptors is a bug of the set-up (contract).
   Doorbell() noexcept : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) { EXPECTS(fd_.get() >= 0); }
 
+  /// Threads: any, in real time as well (a system call that never blocks, 0.3 us).
   void ring() const noexcept {
     const std::uint64_t one = 1;
     // Can't fail: the counter is far from full, and full would be readable as well.
     [[maybe_unused]] const auto written = ::write(fd_.get(), &one, sizeof one);
   }
-  /// \return  whether it rang; looks once where `deadline` has passed
+  /// \return  whether it rang; looks once where `deadline` has passed. Threads: one, the one that sleeps here.
   bool wait_until(MonoTime deadline) const noexcept {
     for (;;) {
       pollfd rung{fd_.get(), POLLIN, 0};
@@ -32,7 +32,8 @@ class Doorbell {
       if (ready >= 0) return ready > 0;  // else interrupted, and the time is not over
     }
   }
-  /// For poll() on several things at once; then `answer` makes it silent again.
+  /// For poll() on several things at once; then `answer` makes it silent again. Threads: as `wait_until`, both.
+  /// \return  the file descriptor, still owned by this object
   int get() const noexcept { return fd_.get(); }
   void answer() const noexcept {
     std::uint64_t count = 0;

@@ -24,6 +24,7 @@ class FileDescriptor {
   /// \return  the file descriptor, still owned by this object; -1: none
   int get() const noexcept { return fd_; }
   /// For a caller that wants to know whether closing works.
+  /// \return  the file descriptor, the caller's from now on; -1: none
   int let_go() noexcept { return std::exchange(fd_, -1); }
   explicit operator bool() const noexcept { return fd_ >= 0; }
 

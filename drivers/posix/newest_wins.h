@@ -16,18 +16,19 @@ struct Unseen {
 };
 
 /// Holds the number of at most one buffer. Both sides return at once, however long the other is kept from running.
-/// Memory: inside. Threads: one puts, one takes; `reclaim` belongs to the one that puts.
+/// Memory: inside. Threads: see each method.
 class NewestWins {
  public:
-  static constexpr std::uint32_t kCapacity = 32;  ///< buffers are numbered below it; VIDEO_MAX_FRAME of V4L2
-  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  static constexpr std::uint32_t kCapacity = 32;       ///< buffers are numbered below it; VIDEO_MAX_FRAME of V4L2
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;  ///< no buffer: the index of none
   struct Taken {
     std::uint32_t buffer = kNone;
     Unseen unseen;
   };
 
   /// \param unseen  lost since the buffer put before, beside those that nobody took
-  /// \return  the buffer that nobody took in time, to be used again; kNone: there was none
+  /// \return  index of the buffer that nobody took in time, to be used again; kNone: there was none
+  /// Threads: one, the one that fills buffers.
   std::uint32_t put(std::uint32_t buffer, Unseen unseen) noexcept {
     EXPECTS(buffer < kCapacity);
     std::uint32_t older = newest_.load(std::memory_order_acquire);
@@ -40,12 +41,13 @@ class NewestWins {
       if (newest_.compare_exchange_strong(older, buffer, std::memory_order_acq_rel)) return older;
     }
   }
+  /// The newest buffer, the caller's from now on; none: nothing new. Threads: one, the one that wants pictures.
   std::optional<Taken> take() noexcept {
     const std::uint32_t buffer = newest_.exchange(kNone, std::memory_order_acq_rel);
     if (buffer == kNone) return std::nullopt;
     return Taken{buffer, unseen_[buffer]};
   }
-  /// Takes back what nobody took yet.
+  /// Takes back what nobody took yet. Threads: the one that puts.
   std::optional<Taken> reclaim() noexcept { return take(); }
 
  private:

@@ -52,8 +52,9 @@ class FileReplacement {
   FileReplacement& operator=(FileReplacement&&) = delete;
   ~FileReplacement();
 
+  /// Appends all of `bytes`. \return  the number of bytes written
   Result<std::size_t> write(std::span<const std::uint8_t> bytes, WriteFunction write_bytes = write_to_disk) noexcept;
-  /// Once, at the end. \return  nothing worth knowing
+  /// Once, at the end. \return  0 bytes: what was written is counted by `write`
   Result<std::size_t> commit(Durability durability) noexcept;
 
  private:

@@ -39,8 +39,8 @@ struct RecordingOptions {
 /// A picture that is missing, damaged or of another size takes its place in the sequence as an error; asking again
 /// gives the next frame. Memory: everything of ours is allocated by the constructor; libpng and libturbojpeg allocate
 /// in the decoding thread, never in the caller's. At most kBufferCount - 1 leases may be held at a time without
-/// stopping the decoder. Threads: one caller of `next`; leases may be given back from any thread. Neither waits for a
-/// lock: the decoding thread may be kept from running anywhere.
+/// stopping the decoder. Threads: see each method; leases may be given back from any thread. Neither that nor `next`
+/// waits for a lock: the decoding thread may be kept from running anywhere.
 class RecordingSource final : public FrameSource, private FrameOwner {
  public:
   static constexpr std::size_t kBufferCount = 4;  ///< one with the caller, one ready, one being decoded, one to spare
@@ -51,12 +51,15 @@ class RecordingSource final : public FrameSource, private FrameOwner {
   RecordingSource(const RecordingSource&) = delete;
   RecordingSource& operator=(const RecordingSource&) = delete;
 
+  /// Threads: one caller.
   Result<FrameLease> next(MonoTime deadline) noexcept override;
 
+  /// Threads: any.
   PictureSize size() const noexcept { return size_; }
-  /// Frames of one pass, unreadable ones included.
+  /// Frames of one pass, unreadable ones included. Threads: any.
   std::size_t frame_count() const noexcept { return index_.frames.size(); }
   /// "FILE: what is wrong" with the frame that `next` failed on last; valid until the next call of `next`.
+  /// Threads: the caller of `next`.
   const char* last_failure() const noexcept { return last_failure_.data(); }
 
  private:

@@ -78,7 +78,9 @@ class Mailbox {
   std::uint64_t version() const noexcept { return state_.load(std::memory_order_acquire) / 2; }
 
   /// Sleeps until there is another version than `seen`, at most until `deadline`.
-  /// \return  the newest version; `seen` when nothing came in time. Threads: any; the writer never waits for them.
+  /// \param seen  how often `publish` had been called when the caller looked last (`version`)
+  /// \return  how often it was called by now; `seen` when nothing came in time
+  /// Threads: any; the writer never waits for them.
   std::uint64_t wait_newer(std::uint64_t seen, MonoTime deadline) const noexcept {
     waiters_.fetch_add(1, std::memory_order_seq_cst);
     std::uint64_t newest = version();

@@ -18,7 +18,7 @@ struct LandmarkForecast {
   LandmarkForecast(const LandmarkObservation& seen, bool trust_numbers) noexcept
       : H_ray_plane(seen.H_ray_plane), is_numbered(trust_numbers) {}
 
-  Eigen::Matrix3d H_ray_plane;  ///< sheet to bearing, as in LandmarkObservation
+  Eigen::Matrix3d H_ray_plane;  ///< sheet [m] to bearing (z = 1), as in LandmarkObservation
   bool is_numbered;             ///< the dots that are found take the forecast ones' numbers; else the priors decide
 };
 

@@ -17,7 +17,7 @@ namespace ninedot {
 /// A guess. The numbering of the ring may still be turned by any multiple of 45 degrees.
 struct Hypothesis {
   Eigen::Matrix3d H_px_plane;                  ///< (u, v, 1) ~ H (X0, Z0, 1), px and m, lens distortion not regarded
-  std::array<std::int16_t, kDotCount> blob{};  ///< index into the blob list, -1 where none fits
+  std::array<std::int16_t, kDotCount> blob{};  ///< index of its blob in the list, -1 where none fits
   int matched = 0;
 };
 

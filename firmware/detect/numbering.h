@@ -21,7 +21,9 @@ namespace ninedot {
 /// make, the smallest taken off.
 /// \param points  of the dots that are seen, as rays; with four or more their rigid pose is used, for a distant
 /// landmark's homography has eight unknowns of which two are noise
+/// \param H_ray_plane  sheet [m] to bearing (z = 1), as in LandmarkObservation: used where there are fewer
 /// \param expected_roll_rad  of the camera about its optical axis at which P1 is the lowest dot
+/// \return  squares of normal deviates [1]
 /// Memory: none. Threads: pure.
 NumberingCosts numbering_costs(std::span<const PlanePoint> points, const Eigen::Matrix3d& H_ray_plane,
                                const LandmarkGeometry& landmark, double expected_roll_rad) noexcept;
@@ -30,7 +32,8 @@ NumberingCosts numbering_costs(std::span<const PlanePoint> points, const Eigen::
 /// by the sum of squared distances around P9, so that the landmark's way across the picture does not count. A turn by
 /// more than 22.5 degrees between two frames cannot be told from another numbering: it is an alternative, never taken
 /// for a motion.
-/// \param H_ray_plane  of the dots as they are numbered now \param H_ray_plane_forecast  as they should be
+/// \param H_ray_plane  of the dots as they are numbered now: sheet [m] to bearing (z = 1)
+/// \param H_ray_plane_forecast  as they should be, likewise (z = 1)
 /// \return  none: no numbering has them within kForecastMet; this is another view than the one foretold
 /// Memory: none. Threads: pure.
 std::optional<int> first_dot_by_forecast(const Eigen::Matrix3d& H_ray_plane,

@@ -28,7 +28,7 @@ struct LandmarkObservation {
   Eigen::Matrix3d H_ray_plane = Eigen::Matrix3d::Identity();
   /// What speaks against the dot at index k being P1, of one picture alone and whatever the numbering above follows:
   /// the priors of numbering.h as squares of normal deviates, those of the likeliest numbering taken off. The smallest
-  /// is 0. 0 for all: nothing is known.
+  /// is 0. 0 for all: nothing is known. [1]
   std::array<double, kRingDotCount> numbering_chi2{};
   int seen_count = 0;
   bool from_pose = false;  ///< computed from a pose that was found without looking for dots

@@ -12,9 +12,10 @@ namespace ninedot {
 /// Pixels of one region, 8-neighbours joined. Sums are over its pixels' coordinates.
 struct Region {
   std::int32_t area_px = 0;
-  std::int32_t min_x = 0, end_x = 0;   ///< columns [min_x, end_x)
-  std::int32_t min_y = 0, last_y = 0;  ///< rows min_y .. last_y
-  std::int64_t sum_x = 0, sum_y = 0, sum_xx = 0, sum_xy = 0, sum_yy = 0;
+  std::int32_t min_x = 0, end_x = 0;                ///< columns [min_x, end_x)
+  std::int32_t min_y = 0, last_y = 0;               ///< rows min_y .. last_y
+  std::int64_t sum_x = 0, sum_y = 0;                ///< [px]
+  std::int64_t sum_xx = 0, sum_xy = 0, sum_yy = 0;  ///< of products [px^2]
 };
 
 /// Which regions are of interest. The moments of others are not worth their time.

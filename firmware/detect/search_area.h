@@ -21,6 +21,7 @@ struct SearchArea {
 };
 
 /// The box around all outlines with a margin for the motion between two frames, and the levels that see the dots best.
+/// \param H_ray_plane  sheet [m] to bearing (z = 1), as in LandmarkObservation
 /// \return  none: not in the picture, not before the camera, or not a number
 /// Memory: none. Threads: pure.
 std::optional<SearchArea> search_area_around(const Eigen::Matrix3d& H_ray_plane, const CameraModel& camera,

@@ -15,8 +15,9 @@ struct Verification {
 
 /// Looks at both sides of all nine outlines, at the paper between the dots, and at whether what is missing is hidden
 /// (something else is there) or absent (blank paper is there: then it is a ring of other dots). Blobs of a dot's size
-/// where the sheet must be blank speak against it as well. \param luma  the picture, or a smaller one of less noise
-/// \param plane_to_luma  the hypothesis's map, into the coordinates of `luma`
+/// where the sheet must be blank speak against it as well.
+/// \param luma  the picture, or a smaller one of less noise
+/// \param plane_to_luma  the hypothesis's map from the sheet [m], but into px of `luma`
 /// \param noise_lsb  of `luma`
 /// Memory: none. Threads: pure.
 Verification verify_landmark(const ImageView& luma, const Eigen::Matrix3d& plane_to_luma,

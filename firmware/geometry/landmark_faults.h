@@ -7,7 +7,8 @@
 
 namespace ninedot {
 
-/// What is wrong with the lengths of a landmark, in whatever unit they are given.
+/// What is wrong with the lengths of a landmark. Its own lengths are in the unit of those: [m], or [mm] where a caller
+/// has filled the geometry in mm (only their ratios count).
 struct LandmarkFaults {
   bool ring_dots_touch = false;      ///< neighbours of the ring
   bool centre_touches_ring = false;  ///< the centre dot and those of the ring

@@ -14,6 +14,7 @@ struct ImageView {
   std::ptrdiff_t stride_bytes = 0;  ///< from one row to the next, >= width_px
 
   const std::uint8_t* row(int y) const noexcept { return pixels + y * stride_bytes; }
+  /// \return  the grey level [LSB]
   std::uint8_t at(int x, int y) const noexcept { return row(y)[x]; }
   bool empty() const noexcept { return pixels == nullptr || width_px <= 0 || height_px <= 0; }
   bool contains(int x, int y) const noexcept { return x >= 0 && y >= 0 && x < width_px && y < height_px; }

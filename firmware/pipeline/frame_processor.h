@@ -16,7 +16,7 @@ namespace ninedot {
 struct LandmarkFix {
   std::uint16_t id = 0;
   PoseCandidates candidates;                              ///< every reading, with its odds
-  std::size_t chosen = 0;                                 ///< the one that is believed
+  std::size_t chosen = 0;                                 ///< index of the one that is believed
   Transform<frame::World, frame::Camera> T_world_camera;  ///< by the map
   std::array<double, 6> sigma_world{};                    ///< 1-sigma: x y z [m], about the world's x y z [rad]
   bool ambiguous = false;                                 ///< above the configured limit

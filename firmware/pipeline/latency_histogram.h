@@ -13,7 +13,7 @@ namespace ninedot {
 /// Memory: inside the object, about 7 kB. Threads: one at a time.
 class LatencyHistogram {
  public:
-  static constexpr double kMaxRelativeError = 1.0 / 32;
+  static constexpr double kMaxRelativeError = 1.0 / 32;  ///< share of the true value: one bucket of a doubling's 32
   /// Longer values count as this long; `max` stays exact.
   static constexpr std::chrono::microseconds kLongest{(std::int64_t{1} << 32) - 1};
 

@@ -12,7 +12,7 @@ struct DistanceTilt {
 
 /// Exact for a circle whose centre is on the optical axis: a = R / sqrt(D^2 - R^2 sin^2 phi), b = a^2 D cos(phi) / R.
 /// D^2 is the larger root of a quadratic. For D >> R it is D = R / a (3) and cos(phi) = b / a (21).
-/// \param semi_major, semi_minor  at f = 1, 0 < semi_minor <= semi_major
+/// \param semi_major, semi_minor  at f = 1 (z = 1), 0 < semi_minor <= semi_major
 /// \param radius_m  of the circle
 /// Memory: none. Threads: pure.
 DistanceTilt exact_distance_tilt(double semi_major, double semi_minor, double radius_m) noexcept;
@@ -31,6 +31,8 @@ struct DistanceScale {
 Result<double> image_distance_mm(double semi_major_px, double radius_mm, const DistanceScale& scale) noexcept;
 
 /// phi = acos(b / a) (21), for D >> R.
+/// \param semi_major, semi_minor  a and b in one unit, whichever: only the ratio of them counts
+/// Memory: none. Threads: pure.
 double tilt_from_axes_rad(double semi_major, double semi_minor) noexcept;
 
 }  // namespace ninedot

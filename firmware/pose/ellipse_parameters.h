@@ -34,10 +34,12 @@ Transform<frame::Landmark, frame::Camera> pose_from_parameters(double oriented_s
                                                                double pan_theta_rad, double distance_m,
                                                                const Eigen::Vector2d& p9_normalised) noexcept;
 
-/// The shortest rotation that turns the direction (point, 1) into the optical axis.
+/// The shortest rotation that turns the direction (point, 1) into the optical axis. \param point_normalised  z = 1
+/// \return  a rotation matrix
 Eigen::Matrix3d centring_rotation(const Eigen::Vector2d& point_normalised) noexcept;
 
 /// tan(delta) = m / f (27), m the distance of P9 from the middle of the picture.
+/// \param p9_normalised  where P9 is seen, z = 1
 double deviation_rad(const Eigen::Vector2d& p9_normalised) noexcept;
 
 /// gamma = pi/2 - (phi - delta) (28): heading of the camera from X0 where sheet and camera stand at the same height.
@@ -46,7 +48,7 @@ inline double heading_gamma_rad(double tilt_phi_rad, double deviation_rad) noexc
   return std::numbers::pi / 2 - (tilt_phi_rad - deviation_rad);
 }
 
-/// 1 - cos(delta) (30): the share by which (3) errs where the picture is not centred.
+/// 1 - cos(delta) (30): the share of the distance by which (3) errs where the picture is not centred.
 double misalignment_distance_error(double deviation_rad) noexcept;
 
 }  // namespace ninedot

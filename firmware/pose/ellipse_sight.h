@@ -25,8 +25,9 @@ inline constexpr std::size_t kContourPoints =
 struct EllipseSight {
   Occlusion occlusion = Occlusion::kNone;
   std::array<bool, kDotCount> seen{};
-  std::array<Eigen::Vector2d, kDotCount> outline_centres{};  ///< of the projected discs' outlines, not of the discs
-  std::array<Eigen::Vector2d, kContourPoints> contour{};     ///< of P9; at level II only
+  /// Of the projected discs' outlines, not of the discs; z = 1.
+  std::array<Eigen::Vector2d, kDotCount> outline_centres{};
+  std::array<Eigen::Vector2d, kContourPoints> contour{};  ///< of P9, z = 1; at level II only
   int seen_count = 0;
 };
 

@@ -42,7 +42,7 @@ struct PoseEstimate {
 struct PoseCandidate {
   PoseEstimate pose;  ///< `ambiguity` is left to who chooses
   /// How much worse this reading explains the picture than the best of them: difference of chi^2, so that the odds
-  /// against it are exp(chi2_above / 2). 0 for the best.
+  /// against it are exp(chi2_above / 2). 0 for the best. [1]
   double chi2_above = 0;
   /// false: it was excluded without a fit of its own, and chi2_above is what excluded it. Its pose is rough, its
   /// covariance unknown: never to be chosen.
@@ -62,11 +62,11 @@ struct PoseCandidates {
   double warp_px = 0;                                    ///< how far the dots lay from where one flat sheet shows them
 };
 
-/// Difference of chi^2 below which the picture can't tell two readings apart: 3 sigma.
+/// Difference of chi^2 below which the picture can't tell two readings apart: 3 sigma. [1]
 inline constexpr double kUndecided_chi2 = 9;
 
 /// The odds, 0..1, that another reading than the chosen one is right, by the picture alone: exp(-chi^2 / 2) of their
-/// difference; 0 where there is no other.
+/// difference; 0 where there is no other. \param chosen  index of the chosen one in the list
 inline double ambiguity_of(const PoseCandidates& candidates, std::size_t chosen) noexcept {
   double ambiguity = 0;
   for (std::size_t i = 0; i < candidates.list.size(); ++i)

@@ -18,8 +18,8 @@ namespace ninedot {
 inline constexpr std::size_t kLanes = 8;  ///< pixels at a time: loops over lanes become vector instructions
 using Lanes = std::array<float, kLanes>;
 
-/// The columns: the unknowns' derivatives for contrast 1, the grey level, then the group's own, so that a group without
-/// the last ones ends earlier.
+/// The columns: the unknowns' derivatives for contrast 1 [1/m] (pose), [1/px] (offset), [1/px^2] (blur); the grey level
+/// [LSB]; then the group's own [1], so that a group without the last ones ends earlier.
 inline constexpr std::size_t kGreyColumn = kUnknowns;
 inline constexpr std::size_t kPaperColumn = kUnknowns + 1, kInkColumn = kUnknowns + 2, kBeyondColumn = kUnknowns + 3,
                              kSlopeXColumn = kUnknowns + 4, kSlopeYColumn = kUnknowns + 5;
@@ -31,16 +31,20 @@ struct DotView {
   DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const OutlineState& state, std::size_t dot);
 
   Eigen::Matrix3f F;             ///< sheet [m] from ray
-  Eigen::Vector3f rX, rZ, n, t;  ///< the sheet's axes, its normal and origin [m], frame camera
-  Eigen::Matrix2f N;             ///< ray per pixel
-  Eigen::Vector2f C;             ///< the dot's middle [m, sheet]
-  Eigen::Vector2f outward;       ///< from the landmark's middle through the dot's; of no use for the centre dot
-  float radius_m, paper_radius_m, det_F, det_N;
+  Eigen::Vector3f rX, rZ, n, t;  ///< the sheet's axes and its normal [1], and its origin [m], frame camera
+  Eigen::Matrix2f N;             ///< ray (z = 1) per pixel [1/px]
+  Eigen::Vector2f C;             ///< the dot's middle on the sheet [m]
+  Eigen::Vector2f outward;  ///< unit vector from the landmark's middle through the dot's; the centre dot has none (0)
+  float radius_m, paper_radius_m;
+  float det_F;  ///< determinant of F [1/m]
+  float det_N;  ///< determinant of N [1/px^2]
   float blur_px2, blur_cos_px2, blur_sin_px2, offset_px;
 };
 
 /// Evaluates the pixels [begin, begin + used) of a group; lanes beyond `used` are zero. Grey levels are less the
-/// group's first one: sums of squares stay small. \param used  1..kLanes
+/// group's first one: sums of squares stay small.
+/// \param begin  index of the first pixel in the group \param used  1..kLanes
+/// \param columns  kColumns of them, in units as above: [1/m], [1/px], [1/px^2], [LSB], [1]
 /// Memory: none. Threads: pure.
 void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, std::int32_t begin,
                   std::size_t used, OutlineColumns& columns) noexcept;

@@ -31,7 +31,7 @@ class OutlineRefiner {
   const OptimiserStatistics& refine(const ImageView& luma, const OutlineState& start, Start quality,
                                     double warp_px) noexcept;
 
-  /// How much worse `other` explains the pixels that this state was fitted to: difference of chi^2.
+  /// How much worse `other` explains the pixels that this state was fitted to: difference of chi^2 [1].
   double chi2_above(const OutlineState& other) const noexcept;
 
   /// Of a dot's groups, the share whose outline is where it belongs, though its light may be spoiled. 0..1
@@ -42,15 +42,19 @@ class OutlineRefiner {
 
   const OutlineState& state() const noexcept { return state_; }
   const OptimiserStatistics& statistics() const noexcept { return statistics_; }
-  /// Inverse covariance of the unknowns, all nuisances of the groups eliminated.
+  /// Inverse covariance of the unknowns, all nuisances of the groups eliminated: [1/m^2] of the pose, [1/px^2] of the
+  /// offset, [1/px^4] of the blur, mixed ones between them.
   const UnknownMatrix& information() const noexcept { return information_; }
   /// Root mean square of the groups' shifts against the state.
   double rms_px() const noexcept { return weights_.rms_px; }
 
-  // What gauss_newton asks of a problem.
+  // What gauss_newton asks of a problem, and nobody else.
   using Step = UnknownVector;
+  /// \param stage  index of the stage under way
   bool linearise(int stage) noexcept;
+  /// \param stage  index of the stage under way \param step  [m] (pose), [px] (offset), [px^2] (blur)
   StepVerdict solve(int stage, Step& step) noexcept;
+  /// \param stage  index of the stage under way \param step  [m] (pose), [px] (offset), [px^2] (blur)
   StepVerdict take(int stage, const Step& step) noexcept;
 
  private:

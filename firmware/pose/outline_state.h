@@ -6,8 +6,8 @@
 
 namespace ninedot {
 
-/// Order of the unknowns: rotation (3, about the landmark's origin, in units of kLever_m), translation (3, camera
-/// frame), outline offset, blur (3).
+/// Order of the unknowns: rotation (3, about the landmark's origin: angle times kLever_m [m]), translation (3, camera
+/// frame [m]), outline offset [px], blur (3) [px^2].
 inline constexpr int kUnknowns = 10, kPoseUnknowns = 6;
 using UnknownMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using UnknownVector = Eigen::Matrix<double, kUnknowns, 1>;
@@ -22,7 +22,7 @@ struct OutlineState {
   /// Its second harmonic [px^2]: half of the variance along x minus along y; and the same of the diagonals.
   double blur_cos_px2 = 0, blur_sin_px2 = 0;
 
-  /// Moves the state by a step; keeps the blur possible.
+  /// Moves the state by a step; keeps the blur possible. \param step  [m] (pose), [px] (offset), [px^2] (blur)
   void apply(const UnknownVector& step) noexcept;
 };
 

@@ -16,8 +16,11 @@ struct GroupFit {
   double shift_information = 0;  ///< inverse variance of shift_px, times the noise's variance [LSB^2 / px^2]
   double contrast_lsb = 0, paper_lsb = 0;
   int degrees_of_freedom = 0;
-  UnknownMatrix normal;    ///< J^T J with the group's own unknowns eliminated [LSB^2 per square of the unknowns' units]
-  UnknownVector gradient;  ///< J^T r, the same
+  /// J^T J with the group's own unknowns eliminated, per square of the unknowns' units: [LSB^2/m^2] of the pose,
+  /// [LSB^2/px^2] of the offset, [LSB^2/px^4] of the blur, mixed ones between them.
+  UnknownMatrix normal;
+  /// J^T r, likewise, per unknown's unit: [LSB^2/m], [LSB^2/px], [LSB^2/px^2].
+  UnknownVector gradient;
 };
 
 /// Evaluates one group at a state. \param with_normal  false: residuals, contrast and paper only

@@ -16,8 +16,8 @@ using GroupFits = std::array<GroupFit, kMaxGroups>;
 struct OutlineWeights {
   std::array<double, kMaxGroups> weight{};       ///< of each group in the normal equations, 0..1
   std::array<bool, kMaxGroups> outline_there{};  ///< an outline where it belongs, though its light may be spoiled
-  double noise_variance_lsb2 = 1;
-  double rms_px = 0;  ///< root mean square of the groups' shifts against the state
+  double noise_variance_lsb2 = 1;                ///< of one pixel [LSB^2]
+  double rms_px = 0;                             ///< root mean square of the groups' shifts against the state
 };
 
 /// Weights of all groups from their contrast, their residuals and their shift against what the state says.
@@ -27,6 +27,7 @@ void weigh_groups(std::span<const OutlineGroup> groups, const GroupFits& fits, d
                   OutlineWeights& weights) noexcept;
 
 /// A dot that a shadow's edge crosses does not fit one paper and one ink. Its sectors do, but for those on the edge.
+/// \param noise_variance_lsb2  of one pixel [LSB^2]
 /// \param split  of each dot: whether it is to be taken in sectors; set for those that are shadowed
 /// \return  whether there is a new one
 bool split_shadowed_dots(std::span<const OutlineGroup> groups, const GroupFits& fits, double noise_variance_lsb2,

@@ -11,7 +11,8 @@ namespace ninedot {
 class RayTable {
  public:
   explicit RayTable(const CameraModel& camera);
-  /// \return false where the lens has no inverse
+  /// \param ray_x, ray_y  the pixel's ray, z = 1
+  /// \return  false where the lens has no inverse
   bool ray(int x, int y, float& ray_x, float& ray_y) const noexcept;
 
  private:
