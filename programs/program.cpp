@@ -18,7 +18,7 @@ int run_program(CLI::App& app, int argc, char** argv, const std::function<void()
   const auto failed = [&](std::string_view lines, ExitStatus status) {
     while (!lines.empty()) {
       const std::string_view line = lines.substr(0, lines.find('\n'));
-      fmt::print(stderr, "{}: {}\n", name, line);
+      std::fputs(fmt::format("{}: {}\n", name, line).c_str(), stderr);  // where nobody takes it, the status says it
       lines.remove_prefix(std::min(lines.size(), line.size() + 1));
     }
     return static_cast<int>(status);

@@ -248,6 +248,7 @@ Config read_config_text(std::string_view text, const std::string& name, ConfigPr
     root = toml::parse(text, name);
   } catch (const toml::parse_error& error) {
     problems.add(static_cast<int>(error.source().begin.line), std::string(error.description()));
+    problems.can_be_read = false;
     return {};
   }
   Config config = ConfigReader(root, problems).read();

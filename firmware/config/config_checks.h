@@ -17,6 +17,7 @@ struct ConfigProblem {
 /// What is wrong with a configuration file, and where its keys stand.
 struct ConfigProblems {
   std::vector<ConfigProblem> list;
+  bool can_be_read = true;  ///< false: it is no TOML, and nothing is known of any key
   /// Line of "camera.rate_hz", "landmarks.0.code", "modbus.tcp", ...; only of what the file holds.
   std::map<std::string, int, std::less<>> lines;
 

@@ -1,16 +1,17 @@
 #include "programs/assembly/localiser_options.h"
 
-#include <numbers>
+#include <algorithm>
 
 #include "base/startup_error.h"
 #include "base/units.h"
 #include "world/landmark_map.h"
 
 namespace ninedot {
-namespace {}  // namespace
 
 LocaliserOptions localiser_options(const Config& config) {
-  if (config.landmarks.size() > 1)
+  const bool any_code =
+      std::ranges::any_of(config.landmarks, [](const auto& landmark) { return !landmark.code.empty(); });
+  if (config.landmarks.size() > 1 && !any_code)
     throw StartupError(
         ExitStatus::kWrongUsage,
         "[[landmarks]]: black-and-white landmarks look alike, so that only one can be told from the rest: "
@@ -26,7 +27,7 @@ LocaliserOptions localiser_options(const Config& config) {
   options.max_ambiguity = config.pose.max_ambiguity;
   if (!config.landmarks.empty()) {
     const MapLandmarkConfig& landmark = config.landmarks.front();
-    if (!landmark.code.empty())
+    if (any_code)
       throw StartupError(ExitStatus::kWrongUsage,
                          "[[landmarks]]: this version does not read colour codes yet: leave `code` out for a "
                          "black-and-white landmark");

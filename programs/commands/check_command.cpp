@@ -159,10 +159,11 @@ void run_check(const std::string& path, bool file_only) {
     check_source(config.camera);
     is_source_known = true;
   });
-  findings.attempt("landmarks", [&] { static_cast<void>(localiser_options(config)); });
+  if (problems.can_be_read) findings.attempt("landmarks", [&] { static_cast<void>(localiser_options(config)); });
   if (!config.camera.wait_for_device)
     findings.note("camera.wait_for_device", "without effect: the service always waits for its camera; remove it");
-  if (!file_only && is_source_known) check_devices(config, problems, camera, findings);
+  // What could not be read says nothing of devices.
+  if (!file_only && is_source_known && problems.can_be_read) check_devices(config, problems, camera, findings);
   findings.conclude([&] {
     fmt::print("{}: ok\n", path);
     print_summary(config, camera);

@@ -26,7 +26,7 @@ struct StatusArguments {
 void watch(ServiceClient& service, const StatusArguments& arguments) {
   const TerminationSignals signals;
   LiveDisplay display(stdout, {"", "Ctrl-C ends"});
-  while (signals.wait(50ms) == 0 && std::ferror(stdout) == 0) {
+  while (signals.wait(50ms) == 0 && std::ferror(stdout) == 0 && !display.is_broken()) {
     const RegisterReader reader = service.read();
     if (arguments.json) {
       fmt::print("{}\n", status_json(reader));

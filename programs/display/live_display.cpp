@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "drivers/posix/print_patiently.h"
 #include "programs/display/status_view.h"
 
 namespace ninedot {
@@ -44,9 +45,13 @@ void LiveDisplay::show(const RegisterReader& registers, std::span<const std::str
   if (terminal_) {
     draw(registers, clients);
   } else {
-    fmt::print(out_, "{}\n", status_line(registers));
+    print(status_line(registers) + "\n");
   }
-  std::fflush(out_);
+}
+
+void LiveDisplay::print(std::string_view text) {
+  // Whoever looks away, or has stopped the terminal, holds nobody up.
+  is_broken_ = print_patiently(fileno(out_), text, std::chrono::nanoseconds(0)) == Printed::kBroken;
 }
 
 void LiveDisplay::draw(const RegisterReader& registers, std::span<const std::string> clients) {
@@ -67,13 +72,12 @@ void LiveDisplay::draw(const RegisterReader& registers, std::span<const std::str
   frame += kEraseBelow;
   frame += kWrapOn;
   drawn_lines_ = lines;
-  std::fwrite(frame.data(), 1, frame.size(), out_);
+  print(frame);
 }
 
 void LiveDisplay::make_room() {
   if (drawn_lines_ == 0) return;
-  fmt::print(out_, "{}{}", cursor_up(drawn_lines_), kEraseBelow);
-  std::fflush(out_);
+  print(cursor_up(drawn_lines_) + kEraseBelow);
   drawn_lines_ = 0;
   shown_at_ = {};
 }

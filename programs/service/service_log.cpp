@@ -1,15 +1,20 @@
 #include "programs/service/service_log.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 
+#include "drivers/posix/print_patiently.h"
 #include "programs/display/live_display.h"
 
 namespace ninedot {
 namespace {
+
+// Of the main thread, which carries out commands and hears signals as well: five of its rounds.
+constexpr std::chrono::milliseconds kPatience{100};
 
 bool comes_from_the_source(Reason reason) noexcept {
   return reason == Reason::kCameraLost || reason == Reason::kFrameSize || reason == Reason::kFrameUnreadable;
@@ -19,7 +24,8 @@ bool comes_from_the_source(Reason reason) noexcept {
 
 void ServiceLog::write(const std::string& line) {
   if (display_ != nullptr) display_->make_room();
-  fmt::print(stderr, "ninedotd: {}\n", line);
+  // A log that nobody takes is no reason to stop, or to wait: the line is lost, and the registers say what is.
+  static_cast<void>(print_patiently(STDERR_FILENO, fmt::format("ninedotd: {}\n", line), kPatience));
 }
 
 void ServiceLog::note(const Report& report, const Error& last_error, MonoTime now) {
