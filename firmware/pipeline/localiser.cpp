@@ -66,7 +66,7 @@ Result<std::size_t> Localiser::detect_near_track(const Frame& frame) noexcept {
 }
 
 Result<std::size_t> Localiser::search(const Frame& frame) noexcept {
-  track_.lose_pose(false);
+  track_.jump();
   NINEDOT_TRY(const auto found, detector_.find_landmarks(frame.luma));
   LandmarkObservation seen = found.front();
   // Only the priors have numbered it. What was tracked a moment ago keeps its numbers.

@@ -163,47 +163,56 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
   offset_px = static_cast<float>(state.offset_px);
 }
 
-void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, std::int32_t begin,
-                  std::size_t used, OutlineColumns& columns) noexcept {
+void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& dot_view, std::int32_t begin,
+                  std::size_t used, ColumnBatches& batches) noexcept {
+  // Copies: whatever the columns' floats overwrite, it is not these, and the loop can be made of vector instructions.
+  const DotView view = dot_view;
+  const float centre_x_px = group.centre_x_px, centre_y_px = group.centre_y_px;
   constexpr auto kPerLever = static_cast<float>(1 / kLever_m);
   const auto first = static_cast<std::size_t>(group.first);
-  const Pixels some(pixels, first + static_cast<std::size_t>(begin), used);
-  Lanes per_sigma;
-  for (std::size_t l = 0; l < kLanes; ++l) {
-    const float mx = some.ray_x[l], my = some.ray_y[l];
-    const Place p = place_of(view, mx, my);
-    const Edge e = edge_of(view, p);
-    const auto [density, tail] = normal_tail(e.z);
-    const float ink = (e.z > 0 ? tail : 1 - tail) * some.there[l];
-    const float paper = some.there[l] - ink;
+  const float first_luma = pixels.luma[first];
+  const bool at_paper_edge = group.at_paper_edge;
+  for (std::size_t batch = 0; batch * kLanes < used; ++batch) {
+    const Pixels some(pixels, first + static_cast<std::size_t>(begin) + batch * kLanes,
+                      std::min(kLanes, used - batch * kLanes));
+    OutlineColumns& columns = batches[batch];
+    Lanes per_sigma;
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const float mx = some.ray_x[l], my = some.ray_y[l];
+      const Place p = place_of(view, mx, my);
+      const Edge e = edge_of(view, p);
+      const auto [density, tail] = normal_tail(e.z);
+      const float ink = (e.z > 0 ? tail : 1 - tail) * some.there[l];
+      const float paper = some.there[l] - ink;
 
-    const float brighter = density * e.narrowing / e.sigma_px * some.there[l];  // per px outwards, for contrast 1
-    const float per_move = -brighter / p.slope, per_turn = per_move * kPerLever;
-    const float ax = p.depth * mx - view.t.x(), ay = p.depth * my - view.t.y(), az = p.depth - view.t.z();
-    columns[0][l] = (ay * p.hz - az * p.hy) * per_turn;
-    columns[1][l] = (az * p.hx - ax * p.hz) * per_turn;
-    columns[2][l] = (ax * p.hy - ay * p.hx) * per_turn;
-    columns[3][l] = p.hx * per_move;
-    columns[4][l] = p.hy * per_move;
-    columns[5][l] = p.hz * per_move;
-    columns[6][l] = -brighter;
-    const float wider =
-        brighter / (2 * e.sigma_px) *
-        (e.k1 * (0.5F + 2.25F * e.k2) - e.straight - e.met * e.k2 * e.narrowing * e.narrowing);  // per px^2 of variance
-    columns[7][l] = wider;
-    columns[8][l] = wider * p.cos2;
-    columns[9][l] = wider * p.sin2;
-    columns[kGreyColumn][l] = (some.luma[l] - pixels.luma[first]) * some.there[l];
-    columns[kPaperColumn][l] = paper;
-    columns[kInkColumn][l] = ink;
-    columns[kSlopeXColumn][l] = paper * kSlopeUnit * (some.x_px[l] - group.centre_x_px);
-    columns[kSlopeYColumn][l] = paper * kSlopeUnit * (some.y_px[l] - group.centre_y_px);
-    per_sigma[l] = 1 / e.sigma_px;
+      const float brighter = density * e.narrowing / e.sigma_px * some.there[l];  // per px outwards, for contrast 1
+      const float per_move = -brighter / p.slope, per_turn = per_move * kPerLever;
+      const float ax = p.depth * mx - view.t.x(), ay = p.depth * my - view.t.y(), az = p.depth - view.t.z();
+      columns[0][l] = (ay * p.hz - az * p.hy) * per_turn;
+      columns[1][l] = (az * p.hx - ax * p.hz) * per_turn;
+      columns[2][l] = (ax * p.hy - ay * p.hx) * per_turn;
+      columns[3][l] = p.hx * per_move;
+      columns[4][l] = p.hy * per_move;
+      columns[5][l] = p.hz * per_move;
+      columns[6][l] = -brighter;
+      const float wider = brighter / (2 * e.sigma_px) *
+                          (e.k1 * (0.5F + 2.25F * e.k2) - e.straight -
+                           e.met * e.k2 * e.narrowing * e.narrowing);  // per px^2 of variance
+      columns[7][l] = wider;
+      columns[8][l] = wider * p.cos2;
+      columns[9][l] = wider * p.sin2;
+      columns[kGreyColumn][l] = (some.luma[l] - first_luma) * some.there[l];
+      columns[kPaperColumn][l] = paper;
+      columns[kInkColumn][l] = ink;
+      columns[kSlopeXColumn][l] = paper * kSlopeUnit * (some.x_px[l] - centre_x_px);
+      columns[kSlopeYColumn][l] = paper * kSlopeUnit * (some.y_px[l] - centre_y_px);
+      per_sigma[l] = 1 / e.sigma_px;
+    }
+    columns[kBeyondColumn] = Lanes{};
+    if (!at_paper_edge) continue;
+    for (std::size_t l = 0; l < kLanes; ++l)
+      columns[kBeyondColumn][l] = share_beyond(view, some.ray_x[l], some.ray_y[l], per_sigma[l]) * some.there[l];
   }
-  columns[kBeyondColumn] = Lanes{};
-  if (!group.at_paper_edge) return;
-  for (std::size_t l = 0; l < kLanes; ++l)
-    columns[kBeyondColumn][l] = share_beyond(view, some.ray_x[l], some.ray_y[l], per_sigma[l]) * some.there[l];
 }
 
 }  // namespace ninedot

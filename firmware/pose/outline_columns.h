@@ -25,6 +25,9 @@ inline constexpr std::size_t kPaperColumn = kUnknowns + 1, kInkColumn = kUnknown
                              kSlopeXColumn = kUnknowns + 4, kSlopeYColumn = kUnknowns + 5;
 inline constexpr std::size_t kColumns = kUnknowns + 6;
 using OutlineColumns = std::array<Lanes, kColumns>;
+/// So many are filled at a time: a small dot's pixels are through in one go, and the buffer stays in the nearest cache.
+inline constexpr std::size_t kMaxBatches = 8;
+using ColumnBatches = std::array<OutlineColumns, kMaxBatches>;
 
 /// What all pixels of a dot share, at one state.
 struct DotView {
@@ -41,12 +44,10 @@ struct DotView {
   float blur_px2, blur_cos_px2, blur_sin_px2, offset_px;
 };
 
-/// Evaluates the pixels [begin, begin + used) of a group; lanes beyond `used` are zero. Grey levels are less the
-/// group's first one: sums of squares stay small.
-/// \param begin  index of the first pixel in the group \param used  1..kLanes
-/// \param columns  kColumns of them, in units as above: [1/m], [1/px], [1/px^2], [LSB], [1]
-/// Memory: none. Threads: pure.
+/// Evaluates the pixels [begin, begin + used) of a group, kLanes to a batch; lanes beyond `used` are zero. Grey levels
+/// are less the group's first one: sums of squares stay small. \param used  1..kLanes * kMaxBatches Memory: none.
+/// Threads: pure.
 void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, std::int32_t begin,
-                  std::size_t used, OutlineColumns& columns) noexcept;
+                  std::size_t used, ColumnBatches& batches) noexcept;
 
 }  // namespace ninedot

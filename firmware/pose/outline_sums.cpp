@@ -111,10 +111,12 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
   const std::size_t first = with_normal ? 0 : kGreyColumn, end = kPaperColumn + own;
   const DotView view(pixels, landmark, state, group.dot);
   ProductSums sums;
-  alignas(16) OutlineColumns columns{};
-  for (std::int32_t i = 0; i < group.count; i += static_cast<std::int32_t>(kLanes)) {
-    fill_columns(pixels, group, view, i, std::min(kLanes, static_cast<std::size_t>(group.count - i)), columns);
-    sums.add(columns, first, end);
+  alignas(16) ColumnBatches batches;
+  const auto count = static_cast<std::size_t>(group.count);
+  for (std::size_t at = 0; at < count; at += kLanes * kMaxBatches) {
+    const std::size_t used = std::min(kLanes * kMaxBatches, count - at);
+    fill_columns(pixels, group, view, static_cast<std::int32_t>(at), used, batches);
+    for (std::size_t batch = 0; batch * kLanes < used; ++batch) sums.add(batches[batch], first, end);
   }
   if (sums(kPaperColumn, kPaperColumn) < kLeastPaper_px2 || sums(kInkColumn, kInkColumn) < kLeastInk_px2) return;
 

@@ -18,17 +18,4 @@ RayTable::RayTable(const CameraModel& camera) : camera_(camera) {
   }
 }
 
-bool RayTable::ray(int x, int y, float& ray_x, float& ray_y) const noexcept {
-  if (rays_.empty()) {
-    ray_x = static_cast<float>((x - camera_.cx_px) / camera_.fx_px);
-    ray_y = static_cast<float>((y - camera_.cy_px) / camera_.fy_px);
-    return true;
-  }
-  const std::size_t at =
-      2 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width_px) + static_cast<std::size_t>(x));
-  ray_x = rays_[at];
-  ray_y = rays_[at + 1];
-  return !std::isnan(ray_x);
-}
-
 }  // namespace ninedot

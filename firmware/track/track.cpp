@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/contract.h"
 #include "pose/mirror_image.h"
@@ -122,6 +123,11 @@ Result<std::size_t> Track::take(PoseCandidates& candidates, bool mirror_was_look
   return chosen;
 }
 
+void Track::jump() noexcept {
+  has_jumped_ = has_pose_;
+  lose_pose(false);
+}
+
 void Track::lose_pose(bool sighted) noexcept {
   has_sighting_ = sighted;
   has_pose_ = false;
@@ -134,7 +140,8 @@ void Track::note_motion(const PoseEstimate& pose, MonoTime exposed_at) noexcept 
   const double since_s = std::chrono::duration<double>(exposed_at - pose_at_).count();
   if (!has_pose_ || !(since_s > 0)) {
     motion_.reset();
-    surprise_px_ = 0;
+    surprise_px_ = has_jumped_ ? std::numeric_limits<double>::infinity() : 0;
+    has_jumped_ = false;
     return;
   }
   const CameraFromLandmark& before = prior_.T_camera_landmark;

@@ -58,6 +58,8 @@ class Track {
   /// the frame before \return  index of the chosen one \error kPoseDegenerate: its numbers are not finite; the track
   /// has no pose then
   Result<std::size_t> take(PoseCandidates& candidates, bool mirror_was_looked_at, MonoTime exposed_at) noexcept;
+  /// The landmark is not where it was, and is looked for everywhere: where it is found is no motion.
+  void jump() noexcept;
   /// The frame gave no pose. \param sighted  but it shows the landmark
   void lose_pose(bool sighted) noexcept;
 
@@ -87,6 +89,7 @@ class Track {
   bool light_smooth_ = false;
   std::optional<Motion> motion_;  // between the last two frames, if both had a pose
   double surprise_px_ = 0;        // how far the landmark was from where it was expected
+  bool has_jumped_ = false;       // it had a pose, and was not where that let expect it
   int frames_since_mirror_ = 0;   // since the mirror image was looked at
 
   /// What speaks against each numbering, k eighths from the one believed: the worst that upright_costs said of it since

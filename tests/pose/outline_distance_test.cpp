@@ -128,8 +128,9 @@ TEST(OutlineDistance, AgreesWithTheColumnsThatTheSolverUses) {
   int compared = 0;
   for (const OutlineGroup& group : pixels.groups) {
     const DotView view(pixels, {}, state, group.dot);
-    OutlineColumns columns{};
-    fill_columns(pixels, group, view, 0, 1, columns);
+    ColumnBatches batches{};
+    fill_columns(pixels, group, view, 0, 1, batches);
+    const OutlineColumns& columns = batches[0];
     const auto first = static_cast<std::size_t>(group.first);
     const Eigen::Vector2d pixel_px(static_cast<double>(pixels.x_px[first]), static_cast<double>(pixels.y_px[first]));
     const OutlineDistance exact = *outline_distance(camera, {}, T, group.dot, pixel_px);
