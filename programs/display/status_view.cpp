@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 #include "base/reason.h"
 
@@ -21,6 +22,18 @@ void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
 /// "-123.4", or "?" for a value that the service does not know.
 std::string number(double value, int digits) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string("?");
+}
+
+/// A register's value; NaN where it stands for "unknown": a measured quantity at the end of its range, or no landmark
+/// yet. An age and an ambiguity at their end are what they say.
+double known_value(const RegisterReader& r, std::uint16_t address) {
+  const RegisterEntry& entry = *find_register(address);
+  const double value = r.value(address);
+  const bool is_measured =
+      entry.type == RegisterType::kU16 && entry.scale != 1 && address != reg::kAmbiguity && address != reg::kAge;
+  const bool has_end = is_measured || address == reg::kLandmarkId;
+  return has_end && value >= static_cast<double>(entry.highest) * entry.scale ? std::numeric_limits<double>::quiet_NaN()
+                                                                              : value;
 }
 
 std::string age_text(const RegisterReader& r) {
@@ -41,7 +54,7 @@ std::string state_text(const RegisterReader& r) {
 std::string triple(const RegisterReader& r, std::uint16_t first, std::uint16_t words, int digits) {
   std::string text;
   for (std::uint16_t i = 0; i < 3; ++i)
-    text += fmt::format("{:>12}", number(r.value(static_cast<std::uint16_t>(first + i * words)), digits));
+    text += fmt::format("{:>12}", number(known_value(r, static_cast<std::uint16_t>(first + i * words)), digits));
   return text;
 }
 
@@ -124,16 +137,16 @@ RegisterReader make_reader(const RegisterBlock& registers) noexcept {
 std::string status_line(const RegisterReader& r) {
   Text text;
   if (r.status(status_bit::kValid)) {
-    add(text, "x {} y {} z {} mm (1-sigma {} {} {}), {} dots, quality {}", number(r.value(reg::kX32), 1),
-        number(r.value(reg::kX32 + 2), 1), number(r.value(reg::kX32 + 4), 1), number(r.value(reg::kSigmaX), 2),
-        number(r.value(reg::kSigmaX + 1), 2), number(r.value(reg::kSigmaX + 2), 2), r.integer(reg::kDotsUsed),
-        r.integer(reg::kQuality));
+    add(text, "x {} y {} z {} mm (1-sigma {} {} {}), {} dots, quality {}", number(known_value(r, reg::kX32), 1),
+        number(known_value(r, reg::kX32 + 2), 1), number(known_value(r, reg::kX32 + 4), 1),
+        number(known_value(r, reg::kSigmaX), 2), number(known_value(r, reg::kSigmaX + 1), 2),
+        number(known_value(r, reg::kSigmaX + 2), 2), r.integer(reg::kDotsUsed), r.integer(reg::kQuality));
   } else {
     add(text, "no valid pose: {}", reason_sentence(r.integer(reg::kReason)));
   }
-  add(text, "; {} Hz, latency {} ms (p99 {}), {} dropped, {} clients", number(r.value(reg::kFrameRate), 1),
-      number(r.value(reg::kLatencyMedian), 1), number(r.value(reg::kLatencyP99), 1), r.integer(reg::kFramesDropped),
-      r.integer(reg::kConnectedClients));
+  add(text, "; {} Hz, latency {} ms (p99 {}), {} dropped, {} clients", number(known_value(r, reg::kFrameRate), 1),
+      number(known_value(r, reg::kLatencyMedian), 1), number(known_value(r, reg::kLatencyP99), 1),
+      r.integer(reg::kFramesDropped), r.integer(reg::kConnectedClients));
   return fmt::to_string(text);
 }
 
@@ -147,11 +160,11 @@ std::string status_table(const RegisterReader& r) {
   add(text, "rotation  {} deg (rotation vector, camera to world)\n", triple(r, reg::kRotationX32, 2, 3));
   add(text, "  1-sigma {} deg\n", triple(r, reg::kSigmaRotationX, 1, 3));
   add(text, "landmark   {} of 9 dots, residual {} px, ambiguity {}, {} solver\n", r.integer(reg::kDotsUsed),
-      number(r.value(reg::kResidual), 3), number(r.value(reg::kAmbiguity), 2),
+      number(known_value(r, reg::kResidual), 3), number(known_value(r, reg::kAmbiguity), 2),
       r.status(status_bit::kEllipseSolver) ? "ellipse" : "full");
   if (r.status(status_bit::kHasHead))
-    add(text, "head       pan {} deg, tilt {} deg{}{}{}\n", number(r.value(reg::kPan), 2),
-        number(r.value(reg::kTilt), 2), r.status(status_bit::kServoLimit) ? ", at its LIMIT" : "",
+    add(text, "head       pan {} deg, tilt {} deg{}{}{}\n", number(known_value(r, reg::kPan), 2),
+        number(known_value(r, reg::kTilt), 2), r.status(status_bit::kServoLimit) ? ", at its LIMIT" : "",
         r.status(status_bit::kInhibited) ? ", INHIBITED" : "",
         r.status(status_bit::kServoFault) ? ", does NOT ANSWER" : "");
   add_metric_rows(text, r);
@@ -168,7 +181,7 @@ std::string status_json(const RegisterReader& r) {
       add_bit_names(text, r.integer(entry.address), entry.address == reg::kStatus ? kStatusBits : kHealthBits);
       continue;
     }
-    const double value = r.value(entry.address);
+    const double value = known_value(r, entry.address);
     if (std::isfinite(value))
       add(text, "{:.10g}", value);
     else

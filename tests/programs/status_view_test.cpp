@@ -38,6 +38,19 @@ TEST(StatusTable, SaysPoseUncertaintyHeadAndHealthInTheRegistersUnits) {
             "search     17 runs cut, 18 blobs cut, 19 hypotheses cut, 20 neighbours cut\n");
 }
 
+TEST(StatusTable, ShowsNothingThatIsNotKnownAsANumber) {
+  const RegisterBlock registers = registers_of(WireReport{}, MetricValues{});
+  const RegisterReader reader = make_reader(registers);
+  const std::string table = status_table(reader), json = status_json(reader), line = status_line(reader);
+  for (const char* const never : {"655.35", "65.535", "6553.5 ms ("}) {
+    EXPECT_EQ(table.find(never), std::string::npos) << table;
+    EXPECT_EQ(line.find(never), std::string::npos) << line;
+  }
+  for (const char* const unknown : {"\"landmark_id\":null", "\"sigma_x\":null", "\"sigma_rotation_z\":null",
+                                    "\"residual\":null", "\"x_32\":null", "\"x_float\":null"})
+    EXPECT_NE(json.find(unknown), std::string::npos) << unknown << " in " << json;
+}
+
 TEST(StatusTable, LeavesTheHeadOutWhereThereIsNoneAndFitsIntoAHundredColumns) {
   WireReport report = test::known_report(kNow);
   report.has_head = false;
