@@ -45,8 +45,9 @@ struct DotView {
 };
 
 /// Evaluates the pixels [begin, begin + used) of a group, kLanes to a batch; lanes beyond `used` are zero. Grey levels
-/// are less the group's first one: sums of squares stay small. \param used  1..kLanes * kMaxBatches Memory: none.
-/// Threads: pure.
+/// are less the group's first one: sums of squares stay small.
+/// \param begin  index in the group of the first pixel [1] \param used  1..kLanes * kMaxBatches
+/// Memory: none. Threads: pure.
 void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, std::int32_t begin,
                   std::size_t used, ColumnBatches& batches) noexcept;
 

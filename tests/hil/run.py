@@ -18,7 +18,7 @@ import traceback
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 os.environ.setdefault("NINEDOT_SOURCE_DIR", os.fspath(SOURCE))
 os.environ.setdefault("NINEDOT_BIN_DIR", os.fspath(pathlib.Path(sys.argv[1]).resolve()) if len(sys.argv) > 1 else "")
-sys.path[:0] = [os.fspath(SOURCE / "tests" / "hil"), os.fspath(SOURCE / "tests" / "app")]
+sys.path[:0] = [os.fspath(SOURCE / "tests" / "hil"), os.fspath(SOURCE / "tests" / "programs")]
 
 import camera_stage
 import faults_stage
