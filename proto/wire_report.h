@@ -64,11 +64,9 @@ struct WireState {
 /// Where Modbus servers get what they show.
 class WireSource {
  public:
+  virtual ~WireSource() = default;
   /// The newest. \param now  the moment of the reply. Memory: none. Threads: any ordinary one; never sleeps.
   virtual WireState read(MonoTime now) const noexcept = 0;
-
- protected:
-  ~WireSource() = default;
 };
 
 }  // namespace ninedot
