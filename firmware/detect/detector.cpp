@@ -72,7 +72,6 @@ struct Detector::Workspace {
   Hypothesis best;
   ObservationList found;
   GuessCuts cuts;
-  std::uint32_t landmarks_cut = 0;
 };
 
 /// Coarse to fine. Three quarters of all pixels are the picture's own, and a landmark nearer than about 4 m shows at
@@ -197,7 +196,7 @@ Result<std::span<const LandmarkObservation>> Detector::find_landmarks(const Imag
   if (!w.fits(luma)) return fail(Errc::kFrameSize, "the frame's size is not the calibration's");
   NINEDOT_TRY(const LandmarkObservation seen, w.search_whole(luma));
   w.found.clear();
-  if (!w.found.try_push_back(seen)) ++w.landmarks_cut;
+  (void)w.found.try_push_back(seen);  // the only one
   return w.found.span();
 }
 
@@ -208,9 +207,12 @@ Result<LandmarkObservation> Detector::find_landmark_near(const ImageView& luma,
   return w.search_near(luma, expected);
 }
 
-DetectorCounts Detector::counts() const noexcept {
+WorkCounts Detector::counts() const noexcept {
   const Workspace& w = *workspace_;
-  return {w.finder.runs_cut(), w.finder.blobs_cut(), w.cuts.neighbours, w.cuts.hypotheses, w.landmarks_cut};
+  return {.runs_cut = w.finder.runs_cut(),
+          .blobs_cut = w.finder.blobs_cut(),
+          .neighbours_cut = w.cuts.neighbours,
+          .hypotheses_cut = w.cuts.hypotheses};
 }
 
 }  // namespace ninedot

@@ -1,10 +1,10 @@
 #pragma once
 /// Finds the landmarks in a picture.
-#include <cstdint>
 #include <memory>
 #include <span>
 
 #include "base/result.h"
+#include "base/work_counts.h"
 #include "detect/forecast.h"
 #include "detect/observation.h"
 #include "geometry/camera_model.h"
@@ -14,17 +14,6 @@ namespace ninedot {
 
 struct DetectorOptions {
   double expected_roll_rad = 0;  ///< roll of the camera about its optical axis at which P1 is the lowest dot
-};
-
-/// What found no room in a list of fixed size and was left out, since the detector was made. Each counts one thing left
-/// out, not one picture, and wraps at 2^32. All were 0 over the recordings that show a landmark; twenty look-alikes
-/// without one (rings, grids, wallpaper) had 0, 151, 1105 and 1655, for then every guess is tried.
-struct DetectorCounts {
-  std::uint32_t runs_cut = 0;        ///< dark stretches of a row, from the bottom of the picture (RegionFinder)
-  std::uint32_t blobs_cut = 0;       ///< dark spots: more than kMaxBlobs (BlobFinder)
-  std::uint32_t neighbours_cut = 0;  ///< spots around one that may be P9, or beside one on the ring (hypothesis.h)
-  std::uint32_t hypotheses_cut = 0;  ///< guesses: more than kMaxHypotheses, those with fewer dots left out
-  std::uint32_t landmarks_cut = 0;   ///< landmarks: more than kMaxLandmarksInView
 };
 
 /// Memory: everything is allocated by the constructor for the camera's picture size. Threads: one caller.
@@ -49,7 +38,8 @@ class Detector {
   /// \error kNoLandmark: not there (it may still be elsewhere); kPoseDegenerate, kFrameSize: as above
   Result<LandmarkObservation> find_landmark_near(const ImageView& luma, const LandmarkForecast& expected) noexcept;
 
-  DetectorCounts counts() const noexcept;
+  /// What found no room since the detector was made.
+  WorkCounts counts() const noexcept;
 
  private:
   struct Workspace;

@@ -38,8 +38,7 @@ struct LandmarkObservation {
 /// together, so that every dot stays where it is seen. Memory: none. Threads: pure.
 LandmarkObservation renumbered(const LandmarkObservation& seen, int eighths) noexcept;
 
-/// More landmarks than a room needs around one camera. What the list cannot hold is left out, the least sure first, and
-/// counted (DetectorCounts::landmarks_cut).
+/// More landmarks than a room needs around one camera.
 inline constexpr std::size_t kMaxLandmarksInView = 16;
 using ObservationList = InlineVector<LandmarkObservation, kMaxLandmarksInView>;
 

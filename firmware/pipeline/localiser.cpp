@@ -118,8 +118,7 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
     track_.lose_pose(track_.has_sighting());
   fix_.reason = chosen ? Reason::kNone : reason_of(chosen.error().code);
   fix_.found = track_.has_sighting();
-  const DetectorCounts counts = detector_.counts();
-  fix_.work = {counts.runs_cut, counts.blobs_cut, counts.hypotheses_cut, counts.neighbours_cut};
+  fix_.work = detector_.counts();
   fix_.process_time = mono_now() - begin;
   return fix_;
 }

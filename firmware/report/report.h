@@ -12,6 +12,7 @@
 
 #include "base/mono_time.h"
 #include "base/reason.h"
+#include "base/work_counts.h"
 
 namespace ninedot {
 
@@ -44,11 +45,6 @@ struct ReportHead {
   OrderProgress progress = OrderProgress::kNone;
 
   bool operator==(const ReportHead&) const = default;
-};
-
-/// What the search for the landmark had to leave out because a list of fixed capacity was full; since the start, wraps.
-struct WorkCounts {
-  std::uint32_t runs_cut = 0, blobs_cut = 0, hypotheses_cut = 0, neighbours_cut = 0;
 };
 
 /// Since the start; all wrap.

@@ -203,8 +203,8 @@ TEST(Detector, CountsWhatItsListsHadNoRoomFor) {
   Detector detector(CameraModel{}, LandmarkGeometry{});
   const test::Picture plain = test::render(scene_at({.distance_m = 1.2}), 1);
   ASSERT_TRUE(detector.find_landmarks(plain.view()).has_value());
-  const DetectorCounts none = detector.counts();
-  EXPECT_EQ(none.runs_cut + none.blobs_cut + none.neighbours_cut + none.hypotheses_cut + none.landmarks_cut, 0U);
+  const WorkCounts none = detector.counts();
+  EXPECT_EQ(none.runs_cut + none.blobs_cut + none.neighbours_cut + none.hypotheses_cut, 0U);
 
   std::vector<std::uint8_t> pixels(640 * 480, 220);
   const auto disc = [&](double x_px, double y_px, double radius_px) {
@@ -216,13 +216,13 @@ TEST(Detector, CountsWhatItsListsHadNoRoomFor) {
   // Blank rows where the noise is estimated: a picture that claims to have none.
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = i % 4 == 0 && i / 640 % 8 != 4 ? 30 : 220;
   (void)detector.find_landmarks(picture);
-  const DetectorCounts texture = detector.counts();
+  const WorkCounts texture = detector.counts();
   EXPECT_GT(texture.runs_cut, 10000U);
 
   std::fill(pixels.begin(), pixels.end(), std::uint8_t{220});
   for (int i = 0; i < 2400; ++i) disc(12 + 10 * (i % 60), 12 + 10 * (i / 60), 2.9);
   (void)detector.find_landmarks(picture);
-  const DetectorCounts grid = detector.counts();
+  const WorkCounts grid = detector.counts();
   EXPECT_GT(grid.blobs_cut, texture.blobs_cut + 500);
   EXPECT_GT(grid.neighbours_cut, texture.neighbours_cut);
 

@@ -80,7 +80,10 @@ TEST(FrameMetrics, TakeTheFramesFromTheReportAndTheRestFromTheHealth) {
   EXPECT_EQ(metrics[MetricId::kUptime], 3661);
   EXPECT_EQ(metrics[MetricId::kHeadLosses], 9);
   EXPECT_DOUBLE_EQ(metrics[MetricId::kPulseErrorP99], 6.6);
-  EXPECT_EQ(metrics[MetricId::kNeighboursCut], 4);
+  EXPECT_EQ(metrics[MetricId::kRunsCut], 1);
+  EXPECT_EQ(metrics[MetricId::kBlobsCut], 2);
+  EXPECT_EQ(metrics[MetricId::kNeighboursCut], 3);
+  EXPECT_EQ(metrics[MetricId::kHypothesesCut], 4);
   EXPECT_TRUE(std::isnan(metrics[MetricId::kLatencyMedian])) << "no frame has been measured yet";
 }
 

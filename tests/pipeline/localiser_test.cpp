@@ -128,6 +128,21 @@ TEST(Localiser, KeepsTheNumberingWhenOneFrameOfATrackIsPartlyHidden) {
   EXPECT_EQ(wrong, 0) << "of " << frames;
 }
 
+/// A dense grid of equal dots: more blobs than the list holds, found by a search that comes to nothing.
+TEST(Localiser, TheReportSaysWhatTheSearchHadNoRoomFor) {
+  std::vector<std::uint8_t> pixels(640 * 480, 220);
+  for (int y = 0; y < 480; ++y)
+    for (int x = 0; x < 640; ++x)
+      if (std::hypot(x % 10 - 5, y % 10 - 5) < 2.9) pixels[static_cast<std::size_t>(y * 640 + x)] = 30;
+  Localiser unit(CameraModel{}, {});
+  Report report;
+  test::process_picture(unit, {pixels.data(), 640, 480, 640}, MonoTime(1s), 1, report);
+  EXPECT_FALSE(report.valid);
+  EXPECT_GT(report.frames.work.blobs_cut, 500U);
+  EXPECT_GT(report.frames.work.neighbours_cut, 0U);
+  EXPECT_EQ(report.frames.work.runs_cut, 0U);
+}
+
 TEST_P(LocaliserWithEachSolver, NeverTracksWhenToldNotTo) {
   const test::Picture picture = test::render(scene_at(1.5), 1);
   Localiser unit(CameraModel{}, {.solver = GetParam(), .tracking = false});
