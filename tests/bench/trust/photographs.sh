@@ -1,0 +1,52 @@
+#!/bin/bash
+# Gathers the photographs of the Debian packages of the set `trust` (toolchains/packages.txt) for the program `trust`.
+#   tests/bench/trust/photographs.sh FOLDER
+# JPEG and opaque PNG files become links; what the project does not read itself (WebP, JPEG XL, AVIF, SVG, pictures with
+# transparent parts, 16 bits) is turned into PGM by ffmpeg, on white. What is there already is left as it is.
+set -euo pipefail
+folder=${1:?usage: photographs.sh FOLDER}
+here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
+mkdir -p "$folder"
+folder=$(readlink -f "$folder")
+
+# Bytes of the smallest file: smaller ones are icons.
+smallest=8000
+
+# gather PACKAGE: "NAME TAB FILE" of its pictures. Of a wallpaper in several sizes (1920x1080.jpg) the largest one alone.
+gather() {
+  dpkg -L "$1" | grep -iE '\.(jpe?g|png|webp|jxl|avif|svg|tiff?)$' | while read -r file; do
+    [[ -f $file && ! -L $file ]] || continue
+    bytes=$(stat -c %s "$file")
+    ((bytes >= smallest)) || continue
+    base=${file##*/} name=${file#/usr/share/}
+    if [[ $base =~ ^([0-9]+)x([0-9]+)\. ]]; then
+      printf '%s\t%s\t%s\t%s\n' "${name%/*}" "$((BASH_REMATCH[1] * BASH_REMATCH[2]))" "$1" "$file"
+    else
+      printf '%s\t0\t%s\t%s\n' "${name%.*}" "$1" "$file"
+    fi
+  done | sort -t $'\t' -k 1,1 -k 2,2nr | awk -F '\t' '!seen[$1]++ { gsub(/[^A-Za-z0-9.-]/, "_", $1); print $3 "--" $1 "\t" $4 }'
+}
+
+# take NAME FILE
+take() {
+  local name=$1 file=$2 kind
+  case ${file,,} in
+    *.jpg | *.jpeg) ln -sf "$file" "$folder/$name.jpg"; return ;;
+    *.png)
+      kind=$(od -An -tu1 -j24 -N2 "$file")  # bits per channel, colour type: 0 grey, 2 RGB, else a palette or alpha
+      if [[ $kind =~ ^\ +8\ +[02]$ ]]; then ln -sf "$file" "$folder/$name.png"; return; fi ;;
+  esac
+  [[ ! -s $folder/$name.pgm ]] || return 0
+  # On white: 255 - alpha (255 - grey).
+  ffmpeg -v error -nostdin -y -threads 1 -i "$file" -frames:v 1 \
+    -vf "scale='min(4096,iw)':-1:flags=area,format=gbrap,negate,premultiply=inplace=1,format=gbrp,negate,format=gray" \
+    -f image2 -c:v pgm "$folder/$name.part" 2> /dev/null < /dev/null && mv "$folder/$name.part" "$folder/$name.pgm" ||
+    { rm -f "$folder/$name.part"; echo "photographs: cannot read $file" >&2; }
+}
+export folder
+export -f take
+
+awk '$1 == "trust" && $2 != "ffmpeg" { print $2 }' "$here/../../../toolchains/packages.txt" | while read -r package; do
+  gather "$package"
+done | tr '\t' '\n' | xargs -d '\n' -n 2 -P "$(nproc)" bash -c 'take "$@"' take
+echo "photographs: $(find "$folder" -mindepth 1 | wc -l) in $folder" >&2

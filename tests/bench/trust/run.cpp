@@ -1,0 +1,108 @@
+#include "tests/bench/trust/run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <mutex>
+#include <thread>
+
+#include "drivers/picture/picture_file.h"
+
+namespace ninedot::bench {
+namespace {
+
+std::string file_name_of(const Strip& strip, std::size_t frame) {
+  std::string name = fmt::format("{}--{}--{}.png", strip.kind, strip.name, frame);
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && std::string_view("-+@._").find(c) == std::string_view::npos)
+      c = '_';
+  return name;
+}
+
+// Takes what all threads find; sums and lines are kept per job, for the order in which jobs end is anybody's guess.
+class Collector {
+ public:
+  Collector(std::size_t jobs, const RunOptions& options) : options_(options), tallies_(jobs), lines_(jobs) {
+    if (!options_.save.empty()) std::filesystem::create_directories(options_.save);
+  }
+
+  void take(std::size_t job, const Strip& strip) {
+    const std::vector<Verdict> verdicts = judge(strip);
+    for (std::size_t frame = 0; frame < verdicts.size(); ++frame) {
+      const Verdict& v = verdicts[frame];
+      tallies_[job][strip.kind].add(v);
+      pictures_ += 1, wrong_ += v.wrong ? 1 : 0;
+      if (options_.csv != nullptr)
+        lines_[job] += fmt::format("\"{}\",\"{}\",{},{:d},{:d},{:d},{:d},{:d},{:.4g},{:.4g},{:.4g},{:.3f}\n",
+                                   strip.kind, strip.name, frame, v.shown, v.found, v.valid, v.wrong, v.beyond, v.nees,
+                                   1e3 * v.error_m, v.error_over_bound, v.work_ms);
+      if (v.wrong && !options_.save.empty()) save(strip, frame);
+    }
+  }
+
+  void end_job(std::size_t jobs) {
+    const std::size_t done = ++done_;
+    if (!options_.progress) return;
+    const std::scoped_lock lock(mutex_);
+    fmt::print(stderr, "\r{} of {} jobs, {} pictures, {} wrong and valid", done, jobs, pictures_.load(), wrong_.load());
+  }
+
+  Tallies result() const {
+    Tallies all;
+    for (std::size_t job = 0; job < tallies_.size(); ++job) {
+      for (const auto& [kind, tally] : tallies_[job]) all[kind].add(tally);
+      if (options_.csv != nullptr) fmt::print(options_.csv, "{}", lines_[job]);
+    }
+    if (options_.progress) fmt::print(stderr, "\n");
+    return all;
+  }
+
+ private:
+  void save(const Strip& strip, std::size_t frame) const {
+    const std::string path = (options_.save / file_name_of(strip, frame)).string();
+    if (!write_png_grey(path, strip.shots[frame].picture.view())) fmt::print(stderr, "trust: cannot write {}\n", path);
+  }
+
+  const RunOptions& options_;
+  std::vector<Tallies> tallies_;
+  std::vector<std::string> lines_;
+  std::atomic<std::size_t> done_{0}, pictures_{0}, wrong_{0};
+  std::mutex mutex_;
+};
+
+}  // namespace
+
+Tallies run_jobs(const std::vector<Job>& jobs, const RunOptions& options) {
+  Collector collector(jobs.size(), options);
+  std::atomic<std::size_t> next{0};
+  std::vector<std::jthread> workers;
+  for (unsigned t = 0; t < options.threads; ++t)
+    workers.emplace_back([&] {
+      for (std::size_t job = next++; job < jobs.size(); job = next++) {
+        jobs[job]([&](const Strip& strip) { collector.take(job, strip); });
+        collector.end_job(jobs.size());
+      }
+    });
+  workers.clear();
+  return collector.result();
+}
+
+double usual_work_ms() {
+  std::vector<double> work_ms;
+  for (std::uint64_t seed = 0; seed < 9; ++seed) {
+    test::Scene scene;
+    scene.camera =
+        test::look_at_landmark({.distance_m = 1.5, .tilt_rad = 0.4, .azimuth_rad = 0.7 * static_cast<double>(seed)});
+    scene.wall.seed = seed;
+    test::set_noise(scene.sensor, 2);
+    Strip strip;
+    strip.shots.push_back({test::render(scene, seed), scene.camera, 0, {}});
+    work_ms.push_back(judge(strip).front().work_ms);
+  }
+  std::sort(work_ms.begin(), work_ms.end());
+  return work_ms[work_ms.size() / 2];
+}
+
+}  // namespace ninedot::bench
