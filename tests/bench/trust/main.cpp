@@ -8,6 +8,7 @@
 #include <string_view>
 #include <thread>
 
+#include "tests/bench/trust/near_misses.h"
 #include "tests/bench/trust/photographs.h"
 #include "tests/bench/trust/run.h"
 
@@ -27,6 +28,7 @@ constexpr const char* kUsage =
     "  --out FILE.md        the page (standard output)\n"
     "  --csv FILE           a line per picture\n"
     "  --save FOLDER        the pictures that are wrong and valid, as PNG\n"
+    "  --save-all FOLDER    all of them\n"
     "Exit status: 0 all limits kept, 1 one is passed or a file can't be written, 2 wrong usage.\n";
 
 struct Options {
@@ -36,6 +38,7 @@ struct Options {
   std::string half = "both";
   std::filesystem::path photographs = "build/photographs";
   std::filesystem::path out, csv, save;
+  bool save_all = false;
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 };
 
@@ -59,8 +62,8 @@ bool parse(const std::vector<std::string_view>& arguments, Options& options) {
       options.out = value;
     } else if (name == "--csv") {
       options.csv = value;
-    } else if (name == "--save") {
-      options.save = value;
+    } else if (name == "--save" || name == "--save-all") {
+      options.save = value, options.save_all = name == "--save-all";
     } else if (name == "--threads" && number > 0) {
       options.threads = number;
     } else {
@@ -68,6 +71,13 @@ bool parse(const std::vector<std::string_view>& arguments, Options& options) {
     }
   }
   return true;
+}
+
+// Every kind draws other pictures, whichever kinds there are beside it.
+std::uint64_t strip_seed(std::uint64_t seed, std::string_view kind, int index) {
+  std::uint64_t mixed = seed;
+  for (const char c : kind) mixed = test::random_bits(mixed, static_cast<unsigned char>(c));
+  return test::random_bits(mixed, static_cast<std::uint64_t>(index));
 }
 
 bool is_wanted(const Kind& kind, const Options& options) {
@@ -88,6 +98,20 @@ void add_photographs(const Options& options, std::vector<Kind>& kinds, std::vect
     fmt::print(stderr, "trust: no photographs in {}: tests/bench/trust/photographs.sh gathers them\n",
                options.photographs.string());
   jobs.insert(jobs.end(), photographs.begin(), photographs.end());
+}
+
+void add_near_misses(const Options& options, std::vector<Kind>& kinds, std::vector<Job>& jobs) {
+  for (const NearMiss& miss : near_misses()) {
+    const Kind kind{"Near misses", miss.name};
+    if (!is_wanted(kind, options)) continue;
+    kinds.push_back(kind);
+    for (int frame = 0; frame < options.frames; ++frame)
+      jobs.emplace_back([miss, frame, seed = options.seed](const Taker& take) {
+        Strip strip{miss.name, fmt::format("seed {} picture {}", seed, frame), {}};
+        strip.shots.push_back(draw_near_miss(miss, strip_seed(seed, miss.name, frame)));
+        take(std::move(strip));
+      });
+  }
 }
 
 std::string command_of(const Options& options) {
@@ -113,8 +137,10 @@ int run(const Options& options) {
   std::vector<Kind> kinds;
   std::vector<Job> jobs;
   add_photographs(options, kinds, jobs);
+  add_near_misses(options, kinds, jobs);
 
-  RunOptions how{static_cast<unsigned>(options.threads), nullptr, options.save, isatty(STDERR_FILENO) != 0};
+  RunOptions how{static_cast<unsigned>(options.threads), nullptr, options.save, options.save_all,
+                 isatty(STDERR_FILENO) != 0};
   if (!options.csv.empty()) {
     how.csv = std::fopen(options.csv.c_str(), "w");
     if (how.csv == nullptr) {

@@ -115,8 +115,8 @@ Half half_of(std::string_view file_name) {
   std::string_view stem = file_name.substr(0, file_name.rfind('.'));
   for (const std::string_view twin : {"-d", "-l", "_dark", "_light", "-dark", "-light", "_small", "_flip"})
     if (stem.ends_with(twin)) stem.remove_suffix(twin.size());
-  while (!stem.empty() && (std::isdigit(static_cast<unsigned char>(stem.back())) != 0)) stem.remove_suffix(1);
-  std::uint32_t hash = 2166136261U;  // FNV-1a
+  stem = stem.substr(0, stem.find_last_not_of("0123456789x_-") + 1);  // sizes, and numbers of a series
+  std::uint32_t hash = 2166136261U;                                   // FNV-1a
   for (const char c : stem) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
   return ((hash >> 16U) & 1U) != 0 ? Half::kHeld : Half::kTune;
 }

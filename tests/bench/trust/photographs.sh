@@ -14,7 +14,8 @@ smallest=8000
 
 # gather PACKAGE: "NAME TAB FILE" of its pictures. Of a wallpaper in several sizes (1920x1080.jpg) the largest one alone.
 gather() {
-  dpkg -L "$1" | grep -iE '\.(jpe?g|png|webp|jxl|avif|svg|tiff?)$' | while read -r file; do
+  # Manuals repeat their pictures in every language.
+  dpkg -L "$1" | grep -iE '\.(jpe?g|png|webp|jxl|avif|svg|tiff?)$' | grep -v /doc/HTML/ | while read -r file; do
     [[ -f $file && ! -L $file ]] || continue
     bytes=$(stat -c %s "$file")
     ((bytes >= smallest)) || continue

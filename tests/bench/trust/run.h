@@ -11,6 +11,7 @@ struct RunOptions {
   unsigned threads = 1;
   std::FILE* csv = nullptr;    ///< a line per picture
   std::filesystem::path save;  ///< PNG of every picture that is wrong and valid; empty: none
+  bool save_all = false;       ///< of every picture
   bool progress = false;       ///< on standard error
 };
 
