@@ -27,7 +27,14 @@ struct OpenedSource {
 /// Throws StartupError(kWrongUsage) when this build has no such source, naming those that it has.
 void check_source(const CameraConfig& config);
 
-/// The calibration for [camera]: `calibration`, or the recording's own camera.yaml.
+/// Throws StartupError(kWrongUsage) when `device` is missing.
+void check_device_named(const CameraConfig& config);
+
+/// The file of the calibration for [camera]: `calibration`, or the recording's own camera.yaml.
+/// Throws StartupError(kWrongUsage): none is named.
+std::string calibration_file(const CameraConfig& config);
+
+/// The calibration in it.
 /// Throws StartupError(kWrongUsage): there is none, it is damaged, or it is for pictures of another size than width_px
 /// x height_px.
 CameraModel read_camera_calibration(const CameraConfig& config);

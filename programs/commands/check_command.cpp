@@ -149,6 +149,13 @@ void check_devices(const Config& config, const ConfigProblems& problems, std::op
   check_head(config, [&](const char* key, const std::function<void()>& step) { findings.attempt(key, step); });
 }
 
+/// What the service asks of the camera's keys before it looks at anything else; check_devices finds the same.
+void check_camera_keys(const CameraConfig& camera, Findings& findings) {
+  findings.attempt("camera.device", [&] { check_device_named(camera); });
+  // Without a recording there is no calibration of its own either; that is no second mistake.
+  if (camera.source != "recording") findings.attempt("camera.calibration", [&] { calibration_file(camera); });
+}
+
 void run_check(const std::string& path, bool file_only) {
   ConfigProblems problems;
   const Config config = read_config(path, problems);
@@ -163,7 +170,12 @@ void run_check(const std::string& path, bool file_only) {
   if (!config.camera.wait_for_device)
     findings.note("camera.wait_for_device", "without effect: the service always waits for its camera; remove it");
   // What could not be read says nothing of devices.
-  if (!file_only && is_source_known && problems.can_be_read) check_devices(config, problems, camera, findings);
+  if (is_source_known && problems.can_be_read) {
+    if (file_only)
+      check_camera_keys(config.camera, findings);
+    else
+      check_devices(config, problems, camera, findings);
+  }
   findings.conclude([&] {
     fmt::print("{}: ok\n", path);
     print_summary(config, camera);

@@ -155,6 +155,23 @@ TEST_F(Commands, CheckOfTheFileAloneLooksAtNothingElse) {
   EXPECT_EQ(run({"check", "--file-only", "--config", config(text + "port = 0\n")}).status, ExitStatus::kWrongUsage);
 }
 
+TEST_F(Commands, CheckOfTheFileAloneMissesNothingThatTheFileLeavesOut) {
+  const auto refusal_of_file = [&](const std::string& text) {
+    const Outcome outcome = run({"check", "--file-only", "--config", config(text)});
+    EXPECT_EQ(outcome.status, ExitStatus::kWrongUsage) << text;
+    return outcome.line;
+  };
+  for (const char* source : {"v4l2", "libcamera", "recording"})
+    EXPECT_NE(refusal_of_file(fmt::format("[camera]\nsource = \"{}\"\n", source))
+                  .find("c.toml:1: camera.device is missing: "),
+              std::string::npos);
+  EXPECT_NE(refusal_of_file("[camera]\nsource = \"v4l2\"\ndevice = \"/dev/video0\"\n")
+                .find("c.toml:1: camera.calibration is missing: "),
+            std::string::npos);
+  EXPECT_NE(refusal_of_file(camera() + "[pan_tilt]\ndriver = \"visca\"\n").find("c.toml:3: 'device' is empty"),
+            std::string::npos);
+}
+
 TEST_F(Commands, CheckSaysThatAnOlderFilesWaitForDeviceHasNoEffect) {
   const Outcome outcome = check(camera() + "wait_for_device = false");
   EXPECT_EQ(outcome.status, ExitStatus::kSuccess);

@@ -348,8 +348,8 @@ class WaitingForDevices(unittest.TestCase):
     """A device that is not there ends nothing: the service answers, says what it waits for, and takes it when it comes."""
 
     def test_every_kind_of_device_may_be_missing(self):
-        for extra, words in (('[pan_tilt]\ndriver = "sysfs-pwm"\n[pan_tilt.pan]\nchip = "x"', "PWM chip 'x'"),
-                             ('[pan_tilt]\ndriver = "gpio"\n[pan_tilt.pan]\nline = "x"', "GPIO line 'x'"),
+        for extra, words in (('[pan_tilt]\ndriver = "sysfs-pwm"\npan.chip = "x"\ntilt.chip = "x"', "PWM chip 'x'"),
+                             ('[pan_tilt]\ndriver = "gpio"\npan.line = "x"\ntilt.line = "y"', "GPIO line 'x'"),
                              ('[pan_tilt]\ndriver = "visca"\ndevice = "/dev/x"', "/dev/x: there is no such serial port"),
                              ('[gpio]\ninhibit = "x"', "inhibit input: not there, waits for it: GPIO line 'x'"),
                              ('[gpio]\nservo_power = "x"', "servo power: not there, waits for it: GPIO line 'x'"),
