@@ -1,10 +1,12 @@
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -75,6 +77,21 @@ class Commands : public testing::Test {
   }
 
   TemporaryRecording folder_{0};
+};
+
+/// Lets this process go by the service's name.
+class CalledNinedotd {
+ public:
+  CalledNinedotd() {
+    ::prctl(PR_GET_NAME, before_.data());
+    ::prctl(PR_SET_NAME, "ninedotd");
+  }
+  ~CalledNinedotd() { ::prctl(PR_SET_NAME, before_.data()); }
+  CalledNinedotd(const CalledNinedotd&) = delete;
+  CalledNinedotd& operator=(const CalledNinedotd&) = delete;
+
+ private:
+  std::array<char, 16> before_{};
 };
 
 TEST_F(Commands, CheckSaysOkWithASummary) {
@@ -182,7 +199,9 @@ TEST_F(Commands, CheckKnowsARunningServiceFromAnotherProgramOnItsPort) {
   const test::WireBox source;
   ModbusOptions options;
   options.tcp.emplace().port = 0;
+  options.tcp->allow = {"192.0.2.1"};
   const ModbusServer service(source, options);
+  const CalledNinedotd name;
   const Outcome outcome = check(camera() + fmt::format("[modbus.tcp]\nport = {}", service.tcp_port()));
   EXPECT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
   EXPECT_NE(outcome.line.find(
