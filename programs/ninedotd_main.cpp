@@ -71,6 +71,7 @@ void run_service(const std::string& config_path, bool live) {
   log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION, config.camera.device, model.width_px,
                         model.height_px, config.pose.solver));
   if (!camera.description.empty()) log.write("camera: " + camera.description);
+  if (!camera.refusal.empty()) log.note_camera_absent(camera.refusal);
   log.write("frame loop: " + realtime_text(config.service.realtime_priority, realtime));
   log.write("memory: " + memory_text(wants_lock, locked));
   for (const std::string& command : reading_commands(modbus)) log.write("read the position with: " + command);

@@ -35,7 +35,7 @@ OpenedSource open_recording(const CameraConfig& config, FrameDemand demand) {
   }
   auto source = std::make_unique<RecordingSource>(config.device, options);
   const std::size_t frame_count = options.loop ? 0 : source->frame_count();
-  return {std::move(source), describe_recording_failure, {}, frame_count};
+  return {std::move(source), describe_recording_failure, {}, {}, frame_count};
 }
 
 PowerLine power_line_of(const std::string& name) {
@@ -67,8 +67,9 @@ OpenedSource open_camera(std::unique_ptr<CameraDevice> device, const CameraConfi
   options.stall_periods = config.stall_frames;
   options.wait_for_device = demand == FrameDemand::kNewest;
   auto source = std::make_unique<ReopeningSource>(std::move(device), options);
-  std::string description = source->description();
-  return {std::move(source), nullptr, std::move(description), 0};
+  std::string refusal = source->last_refusal();
+  std::string description = refusal.empty() ? source->description() : std::string();
+  return {std::move(source), nullptr, std::move(description), std::move(refusal), 0};
 }
 
 }  // namespace

@@ -19,8 +19,10 @@ struct OpenedSource {
   /// "FILE: what" about the last frame that failed, of the recording; empty where the source has no more to say than
   /// Error::text.
   std::string (*describe_failure)(const FrameSource& frames) = nullptr;
-  /// What the camera agreed to, for the log: "GREY 640x480, 30 Hz, exposure 5000 us"; empty for a recording.
+  /// What the camera agreed to, for the log: "GREY 640x480, 30 Hz, exposure 5000 us"; empty for a recording, and for a
+  /// camera that is waited for.
   std::string description;
+  std::string refusal;          ///< why the camera could not be opened and is waited for, one line; empty: it was
   std::size_t frame_count = 0;  ///< of a recording that does not loop; 0 = endless
 };
 
