@@ -99,6 +99,7 @@ TEST_F(Commands, CheckSaysOkWithASummary) {
   EXPECT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
   EXPECT_EQ(outcome.line.substr(0, outcome.line.find('\n')), folder_.path() + "/c.toml: ok");
   EXPECT_NE(outcome.line.find("640x480"), std::string::npos);
+  EXPECT_EQ(outcome.line.find("note:"), std::string::npos) << outcome.line;
 }
 
 TEST_F(Commands, CheckAcceptsTheDefaultConfigurationOnItsRecording) {
