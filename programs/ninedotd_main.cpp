@@ -67,11 +67,12 @@ void run_service(const std::string& config_path, bool live) {
   std::optional<OutputThread> head_thread;
   if (head.output) head_thread.emplace(reports, *head.output, head_priority, HeadOutput::kPeriod);
   RealtimeThread thread(config.service.realtime_priority, "frames");
-  const int realtime_refused = frames.start(thread);
+  const Result<void> realtime = frames.start(thread);
   log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION, config.camera.device, model.width_px,
                         model.height_px, config.pose.solver));
   if (!camera.description.empty()) log.write("camera: " + camera.description);
-  log.write("frame loop: " + realtime_text(config.service.realtime_priority, realtime_refused));
+  if (!camera.refusal.empty()) log.note_camera_absent(camera.refusal);
+  log.write("frame loop: " + realtime_text(config.service.realtime_priority, realtime));
   log.write("memory: " + memory_text(wants_lock, locked));
   for (const std::string& command : reading_commands(modbus)) log.write("read the position with: " + command);
   if (!modbus.tcp && !modbus.rtu) log.write("no Modbus server: add [modbus.tcp] or [modbus.rtu] to the configuration");

@@ -6,12 +6,18 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <iostream>
 #include <string>
 #include <string_view>
 
 #include "base/startup_error.h"
 
 namespace ninedot {
+namespace {
+
+constexpr std::string_view kOutputFailure = "standard output can't be written: is the disk full, or its reader gone?";
+
+}  // namespace
 
 int run_program(CLI::App& app, int argc, char** argv, const std::function<void()>& work) {
   const std::string name = app.get_name();
@@ -23,19 +29,26 @@ int run_program(CLI::App& app, int argc, char** argv, const std::function<void()
     }
     return static_cast<int>(status);
   };
+  // What was printed may still be on its way.
+  const auto finish = [&](ExitStatus status) {
+    std::cout.flush();
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return static_cast<int>(status);
+    return failed(kOutputFailure, ExitStatus::kWorkFailed);
+  };
   app.set_version_flag("--version", name + " " NINEDOT_VERSION, "print the version and exit");
   try {
     app.parse(argc, argv);
     if (work) work();
-    return static_cast<int>(ExitStatus::kSuccess);
+    return finish(ExitStatus::kSuccess);
   } catch (const CLI::Success& help_or_version) {
-    return app.exit(help_or_version);
+    return finish(static_cast<ExitStatus>(app.exit(help_or_version)));
   } catch (const CLI::ParseError& error) {
     return failed(std::string(error.what()) + ": see '" + name + " --help'", ExitStatus::kWrongUsage);
   } catch (const StartupError& error) {
     return failed(error.what(), error.status);
   } catch (const std::exception& error) {
-    return failed(error.what(), ExitStatus::kWorkFailed);
+    // {fmt} throws where it prints and can't.
+    return failed(std::ferror(stdout) != 0 ? kOutputFailure : error.what(), ExitStatus::kWorkFailed);
   }
 }
 

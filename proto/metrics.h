@@ -63,9 +63,10 @@ struct Metric {
   double step;               ///< one step of the register, in `unit`
   std::string_view counted;  ///< where: the part of the service that counts or measures it
   std::string_view row;      ///< of the table that people see
-  std::string_view words;    ///< there: "{}" is the value; a flag: "when set|when not"; empty: not shown
-  int decimals;              ///< there
-  bool always_shown;         ///< false: only while it is not 0
+  std::string_view
+      words;  ///< there: "{}" is the value, "(s)" an s unless that is 1; a flag: "when set|when not"; empty: not shown
+  int decimals;       ///< there
+  bool always_shown;  ///< false: only while it is not 0
   std::string_view meaning;
 };
 
@@ -79,7 +80,7 @@ inline constexpr auto kMetrics = [] {
   {Id::kFramesProcessed,   "frames_processed",    "",     kCounter, 61,      kCounter32, 1,   "frame loop",     "frames",  "{} processed", 0, true, "since the start, landmark or not; unless held, register 2 is its low half"},
   {Id::kFramesDropped,     "frames_dropped",      "",     kCounter, 63,      kCounter32, 1,   "camera source",  "frames",  "{} dropped", 0, true, "lost between the sensor and the frame loop"},
   {Id::kFramesFailed,      "frames_failed",       "",     kCounter, 65,      kCounter32, 1,   "frame loop",     "frames",  "{} failed", 0, true, "arrived, but unreadable or of a wrong size"},
-  {Id::kCameraRestarts,    "camera_restarts",     "",     kCounter, 67,      kU16,       1,   "camera source",  "frames",  "{} camera restarts", 0, true, "the camera was closed and opened again"},
+  {Id::kCameraRestarts,    "camera_restarts",     "",     kCounter, 67,      kU16,       1,   "camera source",  "frames",  "{} camera restart(s)", 0, true, "the camera was closed and opened again"},
   {Id::kLatencyMedian,     "latency_median",      "ms",   kGauge,   68,      kU16,       0.1, "frame loop",     "latency", "median {} ms", 1, true, "of the capture-to-publish latency, since the start"},
   {Id::kLatencyP99,        "latency_p99",         "ms",   kGauge,   69,      kU16,       0.1, "frame loop",     "latency", "p99 {}", 1, true, "the same, 99 %"},
   {Id::kLatencyP999,       "latency_p999",        "ms",   kGauge,   70,      kU16,       0.1, "frame loop",     "latency", "p99.9 {}", 1, true, "the same, 99.9 %"},
@@ -89,22 +90,22 @@ inline constexpr auto kMetrics = [] {
   {Id::kMemoryLocked,      "memory_locked",       "",     kFlag,    1U << 1, kBits16,    1,   "service",        "service", "memory locked|memory NOT locked", 0, true, "the service's memory is locked"},
   {Id::kTemperature,       "temperature",         "degC", kGauge,   72,      kI16,       0.1, "service",        "service", "board {} degC", 1, true, "of the board; -32768 where unknown"},
   {Id::kConnectedClients,  "connected_clients",   "",     kGauge,   77,      kU16,       1,   "Modbus servers", "Modbus",  "{} connected", 0, true, "TCP connections, and one for a serial line heard in the last 5 s"},
-  {Id::kBusErrors,         "bus_errors",          "",     kCounter, 75,      kU32,       1,   "Modbus servers", "Modbus",  "{} bus errors", 0, true, "bad check sums, broken frames, serial line lost"},
-  {Id::kExceptions,        "exceptions",          "",     kCounter, 79,      kU16,       1,   "Modbus servers", "Modbus",  "{} exceptions answered", 0, true, "requests answered with an exception"},
-  {Id::kRequests,          "requests",            "",     kCounter, 88,      kCounter32, 1,   "Modbus servers", "Modbus",  "{} requests", 0, true, "complete requests of all clients"},
-  {Id::kConnections,       "connections",         "",     kCounter, 90,      kCounter32, 1,   "Modbus TCP",     "Modbus",  "{} connections since the start", 0, false, "TCP connections accepted"},
+  {Id::kBusErrors,         "bus_errors",          "",     kCounter, 75,      kU32,       1,   "Modbus servers", "Modbus",  "{} bus error(s)", 0, true, "bad check sums, broken frames, serial line lost"},
+  {Id::kExceptions,        "exceptions",          "",     kCounter, 79,      kU16,       1,   "Modbus servers", "Modbus",  "{} exception(s) answered", 0, true, "requests answered with an exception"},
+  {Id::kRequests,          "requests",            "",     kCounter, 88,      kCounter32, 1,   "Modbus servers", "Modbus",  "{} request(s)", 0, true, "complete requests of all clients"},
+  {Id::kConnections,       "connections",         "",     kCounter, 90,      kCounter32, 1,   "Modbus TCP",     "Modbus",  "{} connection(s) since the start", 0, false, "TCP connections accepted"},
   {Id::kConnectionsRefused,"connections_refused", "",     kCounter, 92,      kCounter32, 1,   "Modbus TCP",     "Modbus",  "{} REFUSED", 0, false, "TCP connections refused: not on the list, or no place"},
   {Id::kConnectionsExpired,"connections_expired", "",     kCounter, 94,      kCounter32, 1,   "Modbus TCP",     "Modbus",  "{} expired", 0, false, "TCP connections that the service closed: idle, not reading its replies, displaced"},
-  {Id::kForeignFrames,     "foreign_frames",      "",     kCounter, 96,      kCounter32, 1,   "Modbus RTU",     "Modbus",  "{} frames of other units", 0, false, "frames of other units on the serial line"},
+  {Id::kForeignFrames,     "foreign_frames",      "",     kCounter, 96,      kCounter32, 1,   "Modbus RTU",     "Modbus",  "{} frame(s) of other units", 0, false, "frames of other units on the serial line"},
   {Id::kSerialLosses,      "serial_losses",       "",     kCounter, 98,      kU16,       1,   "Modbus RTU",     "Modbus",  "serial line LOST {} times", 0, false, "the serial device vanished"},
   {Id::kSerialOpen,        "serial_open",         "",     kFlag,    1U << 2, kBits16,    1,   "Modbus RTU",     "Modbus",  "serial line open|", 0, true, "the serial line is configured and open"},
   {Id::kHeadLosses,        "head_losses",         "",     kCounter, 99,      kU16,       1,   "head",           "servos",  "head LOST {} times", 0, false, "the head fell silent, or its line vanished"},
   {Id::kPulseErrorP99,     "pulse_error_p99",     "us",   kGauge,   86,      kU16,       1,   "head",           "servos",  "pulses off by {} us (p99)", 0, false, "software-made servo pulses: error of their width, 99 %; 0 where hardware makes them"},
   {Id::kPulseErrorMax,     "pulse_error_max",     "us",   kGauge,   87,      kU16,       1,   "head",           "servos",  "max {}", 0, false, "the same, largest"},
-  {Id::kRunsCut,           "runs_cut",            "",     kCounter, 108,     kCounter32, 1,   "detector",       "search",  "{} runs cut", 0, false, "rows of dark pixels that the search left out because its list was full"},
-  {Id::kBlobsCut,          "blobs_cut",           "",     kCounter, 110,     kCounter32, 1,   "detector",       "search",  "{} blobs cut", 0, false, "the same for dark spots"},
+  {Id::kRunsCut,           "runs_cut",            "",     kCounter, 108,     kCounter32, 1,   "detector",       "search",  "{} run(s) cut", 0, false, "rows of dark pixels that the search left out because its list was full"},
+  {Id::kBlobsCut,          "blobs_cut",           "",     kCounter, 110,     kCounter32, 1,   "detector",       "search",  "{} blob(s) cut", 0, false, "the same for dark spots"},
   {Id::kHypothesesCut,     "hypotheses_cut",      "",     kCounter, 112,     kCounter32, 1,   "detector",       "search",  "{} hypotheses cut", 0, false, "the same for groups of dots that might be a landmark"},
-  {Id::kNeighboursCut,     "neighbours_cut",      "",     kCounter, 114,     kCounter32, 1,   "detector",       "search",  "{} neighbours cut", 0, false, "the same for dots near a dot"},
+  {Id::kNeighboursCut,     "neighbours_cut",      "",     kCounter, 114,     kCounter32, 1,   "detector",       "search",  "{} neighbour(s) cut", 0, false, "the same for dots near a dot"},
   });
 }();
 // clang-format on

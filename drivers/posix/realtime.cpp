@@ -30,13 +30,15 @@ constexpr std::size_t kThreadStack_bytes = std::size_t{1024} * 1024;
 
 }  // namespace
 
-int RealtimeThread::enter() noexcept {
+Result<void> RealtimeThread::enter() noexcept {
   touch_stack();
   pthread_setname_np(pthread_self(), name_);
-  if (priority_ == 0) return ECANCELED;
+  if (priority_ == 0) return fail(Errc::kIo, "real-time priority is not asked for", ECANCELED);
   sched_param wanted{};
   wanted.sched_priority = priority_;
-  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+  const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+  if (error != 0) return fail(Errc::kIo, "real-time priority is refused", error);
+  return {};
 }
 
 Result<void> lock_memory() noexcept {

@@ -13,8 +13,8 @@ class RealtimeThread final : public FrameThread {
   explicit RealtimeThread(int priority, const char* name = "frames") noexcept : priority_(priority), name_(name) {}
 
   /// Threads: the one that is to become a real-time one, once, before its work begins.
-  /// \return  0, or an errno: EPERM where neither CAP_SYS_NICE nor RLIMIT_RTPRIO allows it; ECANCELED for priority 0.
-  int enter() noexcept override;
+  /// \error  kIo with errno: EPERM where neither CAP_SYS_NICE nor RLIMIT_RTPRIO allows it; ECANCELED for priority 0.
+  Result<void> enter() noexcept override;
 
  private:
   int priority_;

@@ -20,11 +20,13 @@ void sleep_until(MonoTime time) noexcept {
   }
 }
 
-int ask_for_priority(int priority) noexcept {
-  if (priority == 0) return 0;
+Result<void> ask_for_priority(int priority) noexcept {
+  if (priority == 0) return {};
   sched_param wanted{};
   wanted.sched_priority = priority;
-  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+  const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+  if (error != 0) return fail(Errc::kIo, "real-time priority is refused", error);
+  return {};
 }
 
 }  // namespace
@@ -37,11 +39,11 @@ GpioPanTilt::GpioPanTilt(std::unique_ptr<DigitalOutput> pan, std::unique_ptr<Dig
   std::latch entered(1);
   thread_ = std::jthread([this, &entered](const std::stop_token& stop) {
     pthread_setname_np(pthread_self(), "servo pulses");
-    realtime_refused_ = ask_for_priority(options_.realtime_priority);
+    realtime_ = ask_for_priority(options_.realtime_priority);
     entered.count_down();
     run(stop);
   });
-  entered.wait();  // realtime_refused() has its answer now
+  entered.wait();  // realtime() has its answer now
 }
 
 GpioPanTilt::~GpioPanTilt() {

@@ -11,6 +11,7 @@
 
 #include "aim/servo_axis.h"
 #include "base/mono_time.h"
+#include "base/result.h"
 #include "drivers/servo/pulse_errors.h"
 #include "ports/digital_io.h"
 
@@ -38,8 +39,9 @@ class GpioPanTilt final : public PanTilt {
   /// Waits for nothing, but goes through the histogram of widths: some thousand atomic loads.
   HeadState state() const noexcept override;
 
-  /// The errno with which real-time priority was refused; 0: granted, or not asked for. Threads: any.
-  int realtime_refused() const noexcept { return realtime_refused_; }
+  /// \error  kIo with the errno with which real-time priority was refused; none where it was not asked for.
+  /// Threads: any.
+  const Result<void>& realtime() const noexcept { return realtime_; }
 
  private:
   void run(const std::stop_token& stop) noexcept;
@@ -52,7 +54,7 @@ class GpioPanTilt final : public PanTilt {
   HeadState state_;  // of the caller
   std::atomic<std::int64_t> pan_ns_{0}, tilt_ns_{0};
   std::atomic<bool> failed_{false};
-  int realtime_refused_ = 0;  // written before the constructor ends
+  Result<void> realtime_;  // written before the constructor ends
   PulseErrors errors_;
   std::jthread thread_;  // last: ends before anything it uses
 };

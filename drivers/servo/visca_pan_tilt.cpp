@@ -26,8 +26,6 @@ namespace {
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
-constexpr const char* kNoDevice = "a VISCA head needs the name of its serial port: set the device of [pan_tilt]";
-
 /// One word, so that the frame loop and the thread never wait for each other, whatever their priorities.
 std::uint64_t pack(const ViscaOrder& order) noexcept {
   return std::uint64_t{order.sequence} << 40U | std::uint64_t{static_cast<std::uint8_t>(order.kind)} << 32U |
@@ -51,19 +49,17 @@ void expect(bool right, const std::string& line) {
 }
 
 ViscaOptions checked(const ViscaOptions& options) {
-  expect(!options.device.empty(), kNoDevice);
+  expect(!options.device.empty(), "a VISCA head needs the name of its serial port: set the device of [pan_tilt]");
   expect(options.address >= kMinViscaAddress && options.address <= kMaxViscaAddress,
          fmt::format("a VISCA camera's address is 1 to 7, not {}", options.address));
   expect(options.pan_speed >= 1 && options.pan_speed <= kMaxViscaPanSpeed,
          fmt::format("a VISCA camera's pan speed is 1 to {}, not {}", kMaxViscaPanSpeed, options.pan_speed));
   expect(options.tilt_speed >= 1 && options.tilt_speed <= kMaxViscaTiltSpeed,
          fmt::format("a VISCA camera's tilt speed is 1 to {}, not {}", kMaxViscaTiltSpeed, options.tilt_speed));
-  const std::string problem = ViscaZoomTable::problem_of(options.zoom_table);
-  expect(problem.empty(), problem);
-  const int min_zoom = options.zoom_table.front().zoom, max_zoom = options.zoom_table.back().zoom;
+  const ViscaZoomTable table(options.zoom_table);
   if (options.zoom)
-    expect(*options.zoom >= min_zoom && *options.zoom <= max_zoom,
-           fmt::format("this camera's zoom is {} to {}, not {}", min_zoom, max_zoom, *options.zoom));
+    expect(*options.zoom >= table.min_zoom() && *options.zoom <= table.max_zoom(),
+           fmt::format("this camera's zoom is {} to {}, not {}", table.min_zoom(), table.max_zoom(), *options.zoom));
   return options;
 }
 
@@ -112,10 +108,7 @@ ViscaTty open_or_refuse(const std::string& device) {
 
 }  // namespace
 
-void check_visca_port(const std::string& device) {
-  expect(!device.empty(), kNoDevice);
-  open_or_refuse(device);
-}
+void check_visca_port(const std::string& device) { open_or_refuse(device); }
 
 ViscaPanTilt::ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes, const HeadAngles& neutral)
     : options_(checked(options)),

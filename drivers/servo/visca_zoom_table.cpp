@@ -4,28 +4,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
-#include "base/contract.h"
+#include "base/startup_error.h"
 
 namespace ninedot {
 
-std::string ViscaZoomTable::problem_of(std::span<const ZoomPoint> points) {
-  if (points.size() < 2 || points.size() > kMaxPoints)
-    return fmt::format("a zoom table needs 2 to {} points, not {}", kMaxPoints, points.size());
-  if (points.front().zoom < 0 || points.back().zoom > 0xFFFF) return "the zoom positions must be 0 to 65535";
-  if (!(points.front().focal_length_mm > 0) || !std::isfinite(points.back().focal_length_mm))
-    return "the focal lengths must be finite and above 0";
+ViscaZoomTable::ViscaZoomTable(std::span<const ZoomPoint> points) : count_(points.size()) {
+  const auto need = [](bool right, const std::string& line) {
+    if (!right) throw StartupError(ExitStatus::kWrongUsage, line);
+  };
+  need(points.size() >= 2 && points.size() <= kMaxPoints,
+       fmt::format("a zoom table needs 2 to {} points, not {}", kMaxPoints, points.size()));
+  need(points.front().zoom >= 0 && points.back().zoom <= 0xFFFF, "the zoom positions must be 0 to 65535");
+  need(points.front().focal_length_mm > 0 && std::isfinite(points.back().focal_length_mm),
+       "the focal lengths must be finite and above 0");
   for (std::size_t i = 1; i < points.size(); ++i) {
-    if (points[i].zoom <= points[i - 1].zoom)
-      return fmt::format("the zoom positions must rise strictly: number {} does not", i + 1);
-    if (!(points[i].focal_length_mm > points[i - 1].focal_length_mm))
-      return fmt::format("the focal lengths must rise strictly: number {} does not", i + 1);
+    need(points[i].zoom > points[i - 1].zoom,
+         fmt::format("the zoom positions must rise strictly: number {} does not", i + 1));
+    need(points[i].focal_length_mm > points[i - 1].focal_length_mm,
+         fmt::format("the focal lengths must rise strictly: number {} does not", i + 1));
   }
-  return {};
-}
-
-ViscaZoomTable::ViscaZoomTable(std::span<const ZoomPoint> points) noexcept : count_(points.size()) {
-  EXPECTS(problem_of(points).empty());
   std::ranges::copy(points, points_.begin());
 }
 

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <span>
-#include <string>
 
 namespace ninedot {
 
@@ -18,12 +17,9 @@ class ViscaZoomTable {
  public:
   static constexpr std::size_t kMaxPoints = 32;  ///< room for one every 33 of an EVI-D31's 1024 steps
 
-  /// What is wrong with a table; empty: nothing. It needs 2 to kMaxPoints points of 0..65535 whose positions and focal
-  /// lengths, beginning above 0, rise strictly.
-  static std::string problem_of(std::span<const ZoomPoint> points);
-
-  /// \param points  without a problem (contract)
-  explicit ViscaZoomTable(std::span<const ZoomPoint> points) noexcept;
+  /// Throws StartupError(kWrongUsage) with what is wrong, unless it gets 2 to kMaxPoints points of 0..65535 whose
+  /// positions and focal lengths, beginning above 0, rise strictly.
+  explicit ViscaZoomTable(std::span<const ZoomPoint> points);
 
   /// \param zoom  [steps]
   double focal_length_mm_at(int zoom) const noexcept;

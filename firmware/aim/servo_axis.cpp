@@ -1,7 +1,5 @@
 #include "aim/servo_axis.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -9,22 +7,19 @@
 
 namespace ninedot {
 
-std::string ServoAxis::problem_of(std::span<const AxisPoint> points) {
-  if (points.size() < 2 || points.size() > kMaxPoints)
-    return fmt::format("a calibration needs 2 to {} points, not {}", kMaxPoints, points.size());
+bool ServoAxis::accepts(std::span<const AxisPoint> points) noexcept {
+  if (points.size() < 2 || points.size() > kMaxPoints) return false;
   const bool rises = points[1].output > points[0].output;
   for (std::size_t i = 1; i < points.size(); ++i) {
-    if (!(points[i].angle_rad > points[i - 1].angle_rad))
-      return fmt::format("the angles must rise strictly: number {} does not", i + 1);
-    const bool goes_on = rises ? points[i].output > points[i - 1].output : points[i].output < points[i - 1].output;
-    if (!goes_on) return fmt::format("the outputs must all rise or all fall: number {} does not", i + 1);
+    const AxisPoint &a = points[i - 1], &b = points[i];
+    if (!(b.angle_rad > a.angle_rad) || !(rises ? b.output > a.output : b.output < a.output)) return false;
   }
-  return {};
+  return true;
 }
 
 ServoAxis::ServoAxis(std::span<const AxisPoint> points, double min_output, double max_output) noexcept
     : count_(points.size()), min_output_(min_output), max_output_(max_output) {
-  EXPECTS(problem_of(points).empty() && min_output < max_output);
+  EXPECTS(accepts(points) && min_output < max_output);
   std::ranges::copy(points, points_.begin());
 }
 

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <span>
-#include <string>
 
 #include "ports/pan_tilt.h"
 
@@ -20,11 +19,11 @@ class ServoAxis {
  public:
   static constexpr std::size_t kMaxPoints = 32;  ///< room for one every 3 deg of 90
 
-  /// What is wrong with a calibration; empty: nothing. It needs 2 to kMaxPoints points whose angles rise strictly and
-  /// whose outputs rise or fall strictly.
-  static std::string problem_of(std::span<const AxisPoint> points);
+  /// Whether it can go by this calibration: 2 to kMaxPoints points whose angles rise strictly and whose outputs rise or
+  /// fall strictly.
+  static bool accepts(std::span<const AxisPoint> points) noexcept;
 
-  /// \param points  without a problem (contract)
+  /// \param points  accepted (contract)
   /// \param min_output, max_output  [us] or [steps], in this order (contract)
   ServoAxis(std::span<const AxisPoint> points, double min_output, double max_output) noexcept;
 

@@ -11,7 +11,7 @@ namespace ninedot {
 
 /// [camera]
 struct CameraConfig {
-  std::string source = "recording";  ///< `source`: libcamera | v4l2 | recording | simulated
+  std::string source = "recording";  ///< `source`: libcamera | v4l2 | recording | simulated (not built)
   std::string device;                ///< `device`: v4l2 path, libcamera id, or the recording's folder or .y4m file
   int width_px = 640;                ///< `width_px`: 16..8192
   int height_px = 480;               ///< `height_px`: 16..8192

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <filesystem>
+#include <utility>
 
 #include "base/baud_rates.h"
 #include "config/head_options.h"
@@ -94,10 +96,50 @@ void check_modbus(const Config& config, ConfigProblems& problems) {
   if (config.modbus_rtu.device.empty()) problems.add(problems.line_of("modbus.rtu.device"), "'device' is empty");
 }
 
-void check_head(const PanTiltConfig& pan_tilt, ConfigProblems& problems) {
-  if (pan_tilt.driver == "none") return;
-  if (const HeadProblem problem = find_head_problem(pan_tilt); !problem.what.empty())
-    problems.add(problems.line_of(problem.key), problem.what);
+void check_head(const PanTiltConfig& head, ConfigProblems& problems) {
+  if (head.driver == "none") return;
+  check_head_axes(head, problems);
+  const auto need = [&](std::string_view key, const std::string& name, std::string_view what) {
+    if (name.empty())
+      problems.add(problems.line_of(key), fmt::format("'{}' is empty; write {}", key.substr(key.rfind('.') + 1), what));
+  };
+  if (head.driver == "visca") need("pan_tilt.device", head.device, "the camera's serial port");
+  for (const auto& [table, axis] : {std::pair("pan_tilt.pan", &head.pan), std::pair("pan_tilt.tilt", &head.tilt)}) {
+    if (head.driver == "sysfs-pwm")
+      need(fmt::format("{}.chip", table), axis->chip, "the device of the PWM chip, like fe20c000.pwm");
+    if (head.driver == "gpio") need(fmt::format("{}.line", table), axis->line, "a GPIO line's name, or LABEL:OFFSET");
+  }
+}
+
+/// Whoever comes first has a device; the other one would wait for ever.
+void check_sharing(const Config& config, ConfigProblems& problems) {
+  struct Use {
+    const char* key;
+    std::string device;  ///< empty: none
+  };
+  std::vector<Use> uses{{"gpio.servo_power", config.gpio.servo_power},
+                        {"gpio.inhibit", config.gpio.inhibit},
+                        {"gpio.status_led", config.gpio.status_led}};
+  const PanTiltConfig& head = config.pan_tilt;
+  const auto port = [](const std::string& path) { return std::filesystem::path(path).lexically_normal().string(); };
+  const auto pwm = [](const HeadAxisConfig& axis) {
+    return axis.chip.empty() ? "" : fmt::format("{} of {}", axis.channel, axis.chip);
+  };
+  if (head.driver == "gpio") {
+    uses.push_back({"pan_tilt.pan.line", head.pan.line});
+    uses.push_back({"pan_tilt.tilt.line", head.tilt.line});
+  }
+  if (head.driver == "sysfs-pwm") {
+    uses.push_back({"pan_tilt.pan.channel", pwm(head.pan)});
+    uses.push_back({"pan_tilt.tilt.channel", pwm(head.tilt)});
+  }
+  if (head.driver == "visca") uses.push_back({"pan_tilt.device", port(head.device)});
+  if (config.modbus_rtu.enabled) uses.push_back({"modbus.rtu.device", port(config.modbus_rtu.device)});
+  for (std::size_t i = 0; i < uses.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (!uses[i].device.empty() && uses[i].device == uses[j].device)
+        problems.add(problems.line_of(uses[i].key), fmt::format("{} and {} are both '{}'; a device serves one of them",
+                                                                uses[i].key, uses[j].key, uses[i].device));
 }
 
 }  // namespace
@@ -128,6 +170,7 @@ void check_config(const Config& config, ConfigProblems& problems) {
   check_landmarks(config.landmarks, problems);
   check_head(config.pan_tilt, problems);
   check_modbus(config, problems);
+  check_sharing(config, problems);
 }
 
 }  // namespace ninedot

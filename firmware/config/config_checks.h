@@ -28,7 +28,8 @@ struct ConfigProblems {
   bool is_in(std::string_view table) const;
 };
 
-/// Touching dots, repeated identities, codes that can't be told apart, addresses that are none, rates that don't exist.
+/// Touching dots, repeated identities, codes that can't be told apart, addresses that are none, rates that don't exist,
+/// heads that can't be, devices that are missing or named twice.
 void check_config(const Config& config, ConfigProblems& problems);
 
 /// Reads and checks the text of a configuration file. All that is wrong is in `problems.list` afterwards, by rising

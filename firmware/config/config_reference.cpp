@@ -50,8 +50,10 @@ constexpr std::string_view kPixelFormats =
     "auto|GREY|NV12|NV21|YU12|YUYV|UYVY|Y10|Y12|Y16|Y10P|Y12P|RGGB|BGGR|GRBG|GBRG|MJPG";
 
 const std::array kKeysUpToTheHead{
-    ConfigKey{"camera", "source", "", 0, 0, "libcamera|v4l2|recording|simulated", "where frames come from",
-              SLOT(camera.source)},
+    ConfigKey{
+        "camera", "source", "", 0, 0, "libcamera|v4l2|recording|simulated",
+        "where frames come from; `simulated` is kept for later: this version has no simulated camera and refuses it",
+        SLOT(camera.source)},
     ConfigKey{
         "camera", "device", "", 0, 0, "",
         "V4L2 path, libcamera id, or the recording's folder or .y4m file; a recording's relative path starts at the "

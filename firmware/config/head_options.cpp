@@ -55,32 +55,37 @@ ServoAxis servo_axis(const Axis& axis) {
   return {points, std::max(std::min(a, b), -end), std::min(std::max(a, b), end)};
 }
 
-HeadProblem find_axis_problem(const Axis& axis) {
+void check_axis(const Axis& axis, ConfigProblems& problems) {
   const HeadAxisConfig& own = axis.own;
-  const auto problem = [&](const char* key, std::string what) {
-    return HeadProblem{fmt::format("{}.{}", axis.table, key), fmt::format("'{}' {}", key, what)};
+  const std::size_t count_before = problems.list.size();
+  const auto refuse = [&](const char* key, const std::string& what) {
+    problems.add(problems.line_of(fmt::format("{}.{}", axis.table, key)), fmt::format("'{}' {}", key, what));
   };
-  if (const std::string wrong = ServoAxis::problem_of(points_of(axis)); !wrong.empty())
-    return problem("calibration", "is of no use: " + wrong);
+  if (!ServoAxis::accepts(points_of(axis)))
+    refuse("calibration",
+           fmt::format("is of no use; write 2 to {} pairs whose angles rise and whose outputs all rise or all fall",
+                       ServoAxis::kMaxPoints));
   if (own.min_deg >= own.max_deg)
-    return problem("max_deg", fmt::format("is {}; write more than min_deg = {}", own.max_deg, own.min_deg));
-  if (own.neutral_deg < own.min_deg || own.neutral_deg > own.max_deg)
-    return problem("neutral_deg",
-                   fmt::format("is {}; write {} to {}, min_deg to max_deg", own.neutral_deg, own.min_deg, own.max_deg));
+    refuse("max_deg", fmt::format("is {}; write more than min_deg = {}", own.max_deg, own.min_deg));
+  else if (own.neutral_deg < own.min_deg || own.neutral_deg > own.max_deg)
+    refuse("neutral_deg",
+           fmt::format("is {}; write {} to {}, min_deg to max_deg", own.neutral_deg, own.min_deg, own.max_deg));
+  if (!axis.is_visca() && own.min_us >= own.max_us)
+    refuse("max_us", fmt::format("is {}; write more than min_us = {}", own.max_us, own.min_us));
+  else if (!axis.is_visca() && own.max_us > axis.head.period_ms * 1000 / 2)
+    refuse("max_us",
+           fmt::format("is {}; a pulse must be shorter than half of period_ms = {}", own.max_us, axis.head.period_ms));
+  if (problems.list.size() > count_before) return;  // without these there is no axis to ask
+
+  const double neutral_rad = own.neutral_deg * kRadPerDeg;
   if (axis.is_visca()) {
-    const ServoAxis::Output neutral = ServoAxis(points_of(axis), -1e6, 1e6).output_at(own.neutral_deg * kRadPerDeg);
-    if (std::abs(neutral.value) <= std::abs(axis.visca_end_steps)) return {};
-    return problem("neutral_deg", fmt::format("is {}, beyond the camera's own range", own.neutral_deg));
+    const double neutral_steps = ServoAxis(points_of(axis), -1e6, 1e6).output_at(neutral_rad).value;
+    if (std::abs(neutral_steps) > std::abs(axis.visca_end_steps))
+      refuse("neutral_deg", fmt::format("is {}, beyond the camera's own range", own.neutral_deg));
+  } else if (servo_axis(axis).output_at(neutral_rad).limited) {
+    refuse("neutral_deg", fmt::format("is {}, a pulse outside of min_us = {} to max_us = {}", own.neutral_deg,
+                                      own.min_us, own.max_us));
   }
-  if (own.min_us >= own.max_us)
-    return problem("max_us", fmt::format("is {}; write more than min_us = {}", own.max_us, own.min_us));
-  if (own.max_us > axis.head.period_ms * 1000 / 2)
-    return problem("max_us", fmt::format("is {}; a pulse must be shorter than half of period_ms = {}", own.max_us,
-                                         axis.head.period_ms));
-  if (servo_axis(axis).output_at(own.neutral_deg * kRadPerDeg).limited)
-    return problem("neutral_deg", fmt::format("is {}, a pulse outside of min_us = {} to max_us = {}", own.neutral_deg,
-                                              own.min_us, own.max_us));
-  return {};
 }
 
 AimAxis aim_axis(const HeadAxisConfig& axis) {
@@ -93,9 +98,9 @@ HeadAngles neutral(const PanTiltConfig& config) {
 
 }  // namespace
 
-HeadProblem find_head_problem(const PanTiltConfig& config) {
-  HeadProblem problem = find_axis_problem(pan_of(config));
-  return problem.what.empty() ? find_axis_problem(tilt_of(config)) : problem;
+void check_head_axes(const PanTiltConfig& config, ConfigProblems& problems) {
+  check_axis(pan_of(config), problems);
+  check_axis(tilt_of(config), problems);
 }
 
 AimOptions aim_options(const PanTiltConfig& config) {
@@ -111,7 +116,9 @@ AimOptions aim_options(const PanTiltConfig& config) {
 AimOrder first_order(const PanTiltConfig& config) { return {config.follow, neutral(config)}; }
 
 ServoAxes servo_axes(const PanTiltConfig& config) {
-  EXPECTS(find_head_problem(config).what.empty());
+  ConfigProblems problems;
+  check_head_axes(config, problems);
+  EXPECTS(problems.list.empty());
   return {servo_axis(pan_of(config)), servo_axis(tilt_of(config))};
 }
 

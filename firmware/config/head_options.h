@@ -1,21 +1,15 @@
 #pragma once
 /// From [pan_tilt] of the configuration to the aiming step and the calibration of its axes.
-#include <string>
-
 #include "aim/aimer.h"
 #include "aim/servo_axis.h"
-#include "config/config.h"
+#include "config/config_checks.h"
 
 namespace ninedot {
 
-/// What is wrong with an axis of the head, and the key that it is about: {"", ""} = nothing.
-struct HeadProblem {
-  std::string key;  ///< "pan_tilt.pan.max_deg"
-  std::string what;
-};
-HeadProblem find_head_problem(const PanTiltConfig& config);
+/// Axes that can't be: ends in the wrong order, a neutral position beyond them, a calibration that turns back.
+void check_head_axes(const PanTiltConfig& config, ConfigProblems& problems);
 
-/// The three below: for a configuration without a problem (contract).
+/// The three below: for axes without a problem (contract).
 AimOptions aim_options(const PanTiltConfig& config);
 AimOrder first_order(const PanTiltConfig& config);
 ServoAxes servo_axes(const PanTiltConfig& config);

@@ -24,7 +24,7 @@ OutputThread::OutputThread(const Mailbox<Report>& reports, Output& output, Frame
   thread_ = std::jthread([&, period](const std::stop_token& stop) {
     const Mailbox<Report>& source = reports;
     Output& target = output;
-    refused_ = thread.enter();
+    realtime_ = thread.enter();
     entered.count_down();
     run(stop, source, target, period);
   });

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "base/mailbox.h"
+#include "base/result.h"
 #include "outputs/output.h"
 #include "ports/frame_thread.h"
 
@@ -19,11 +20,11 @@ class OutputThread {
   OutputThread(const OutputThread&) = delete;
   OutputThread& operator=(const OutputThread&) = delete;
 
-  /// The errno with which real-time priority was refused; 0: granted. Threads: any.
-  int refused() const noexcept { return refused_; }
+  /// \error  kIo with the errno with which real-time priority was refused. Threads: any.
+  const Result<void>& realtime() const noexcept { return realtime_; }
 
  private:
-  int refused_ = 0;  // written before the constructor ends
+  Result<void> realtime_;  // written before the constructor ends
   std::jthread thread_;
 };
 

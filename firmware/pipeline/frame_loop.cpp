@@ -27,19 +27,19 @@ FrameLoop::FrameLoop(FrameSource& source, FrameProcessor& processor, Mailbox<Rep
   healths_.publish(health_);
 }
 
-int FrameLoop::start(FrameThread& thread) {
-  int refused_errno = 0;
+Result<void> FrameLoop::start(FrameThread& thread) {
+  Result<void> realtime;
   std::latch entered(1);
   thread_ = std::jthread([&](const std::stop_token& stop) {
-    refused_errno = thread.enter();
-    health_.realtime = refused_errno == 0;
+    realtime = thread.enter();
+    health_.realtime = realtime.has_value();
     publish_health(mono_now());
     entered.count_down();
     // Also when the source is over: the head goes on, and the rate falls to 0.
     while (!stop.stop_requested()) step();
   });
   entered.wait();
-  return refused_errno;
+  return realtime;
 }
 
 void FrameLoop::stop() noexcept {

@@ -38,8 +38,8 @@ class FrameLoop {
   FrameLoop& operator=(const FrameLoop&) = delete;
 
   /// Starts the thread and waits until it has asked `thread` for real-time priority.
-  /// \return  0, or the errno that says why it runs without. Threads: the owner.
-  int start(FrameThread& thread);
+  /// \error  kIo: it runs, without; os_errno says why. Threads: the owner.
+  Result<void> start(FrameThread& thread);
 
   /// Ends the thread within FrameLoopOptions::wait. Harmless when it does not run. Threads: the owner.
   void stop() noexcept;

@@ -43,9 +43,9 @@ std::unique_ptr<PanTilt> open_gpio(const PanTiltConfig& config, std::string& des
   const GpioPanTiltOptions options{period_of(config), config.pulse_priority};
   auto head = std::make_unique<GpioPanTilt>(std::move(pan), std::move(tilt), options, servo_axes(config),
                                             aim_options(config).neutral);
-  if (const int refused = head->realtime_refused(); refused != 0)
+  if (const Result<void>& realtime = head->realtime(); !realtime)
     description += fmt::format(", pulses without real-time priority ({}): allow it with LimitRTPRIO= or `ulimit -r`",
-                               std::strerror(refused));
+                               std::strerror(realtime.error().os_errno));
   return head;
 }
 

@@ -26,9 +26,6 @@ std::string describe_recording_failure(const FrameSource& frames) {
 }
 
 OpenedSource open_recording(const CameraConfig& config, FrameDemand demand) {
-  if (config.device.empty())
-    throw StartupError(ExitStatus::kWrongUsage,
-                       "camera.device is missing: write the recording's folder or .y4m file into the configuration");
   RecordingOptions options;
   options.size = {config.width_px, config.height_px};
   if (demand == FrameDemand::kNewest) {
@@ -38,7 +35,7 @@ OpenedSource open_recording(const CameraConfig& config, FrameDemand demand) {
   }
   auto source = std::make_unique<RecordingSource>(config.device, options);
   const std::size_t frame_count = options.loop ? 0 : source->frame_count();
-  return {std::move(source), describe_recording_failure, {}, frame_count};
+  return {std::move(source), describe_recording_failure, {}, {}, frame_count};
 }
 
 PowerLine power_line_of(const std::string& name) {
@@ -70,19 +67,22 @@ OpenedSource open_camera(std::unique_ptr<CameraDevice> device, const CameraConfi
   options.stall_periods = config.stall_frames;
   options.wait_for_device = demand == FrameDemand::kNewest;
   auto source = std::make_unique<ReopeningSource>(std::move(device), options);
-  std::string description = source->description();
-  return {std::move(source), nullptr, std::move(description), 0};
+  std::string refusal = source->last_refusal();
+  std::string description = refusal.empty() ? source->description() : std::string();
+  return {std::move(source), nullptr, std::move(description), std::move(refusal), 0};
 }
 
 }  // namespace
 
+std::string calibration_file(const CameraConfig& config) {
+  if (!config.calibration.empty()) return config.calibration;
+  if (config.source == "recording" && !config.device.empty()) return recording_camera_file(config.device);
+  throw StartupError(ExitStatus::kWrongUsage,
+                     "camera.calibration is missing: write the camera.yaml of this camera and lens");
+}
+
 CameraModel read_camera_calibration(const CameraConfig& config) {
-  std::string path = config.calibration;
-  if (path.empty() && config.source == "recording" && !config.device.empty())
-    path = recording_camera_file(config.device);
-  if (path.empty())
-    throw StartupError(ExitStatus::kWrongUsage,
-                       "camera.calibration is missing: write the camera.yaml of this camera and lens");
+  const std::string path = calibration_file(config);
   if (!std::filesystem::exists(path))
     throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}: no such calibration; set camera.calibration", path));
   const CameraModel camera = read_camera_file(path);
@@ -101,11 +101,18 @@ void check_source(const CameraConfig& config) {
                                                             config.source, fmt::join(kSourcesOfThisBuild, ", ")));
 }
 
+void check_device_named(const CameraConfig& config) {
+  if (!config.device.empty()) return;
+  throw StartupError(ExitStatus::kWrongUsage,
+                     config.source == "recording"
+                         ? "camera.device is missing: write the recording's folder or .y4m file into the configuration"
+                         : "camera.device is missing: `ninedot cameras` lists what is there");
+}
+
 OpenedSource open_source(const CameraConfig& config, FrameDemand demand) {
   check_source(config);
+  check_device_named(config);
   if (config.source == "recording") return open_recording(config, demand);
-  if (config.device.empty())
-    throw StartupError(ExitStatus::kWrongUsage, "camera.device is missing: `ninedot cameras` lists what is there");
   if (config.source == "libcamera")
     return open_camera(std::make_unique<LibcameraDevice>(camera_request(config)), config, demand);
   return open_camera(std::make_unique<V4l2Device>(camera_request(config)), config, demand);

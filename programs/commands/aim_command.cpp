@@ -5,6 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>
+#include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,6 +31,11 @@ struct AimArguments {
   bool follow = false;
   double wait_s = 10;
 };
+
+/// CLI::Range lets NaN pass: it asks whether a number lies outside.
+std::string refuse_nan(const std::string& text) {
+  return std::isnan(std::strtod(text.c_str(), nullptr)) ? text + " is no number" : std::string();
+}
 
 /// \return  the sequence number by which its result is known
 std::uint16_t send(ServiceClient& service, const AimArguments& arguments, const RegisterReader& before) {
@@ -107,12 +114,15 @@ void add_aim_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("aim", "Point the pan/tilt head of a running service");
   const auto arguments = std::make_shared<AimArguments>();
   command->add_option("--pan-deg", arguments->pan_deg, "angle, positive to the left; default: as it stands")
-      ->check(CLI::Range(-180.0, 180.0));
+      ->check(CLI::Range(-180.0, 180.0))
+      ->check(refuse_nan);
   command->add_option("--tilt-deg", arguments->tilt_deg, "angle, positive upwards; default: as it stands")
-      ->check(CLI::Range(-90.0, 90.0));
+      ->check(CLI::Range(-90.0, 90.0))
+      ->check(refuse_nan);
   command->add_flag("--follow", arguments->follow, "follow the landmark again");
   command->add_option("--wait-s", arguments->wait_s, "how long the head may take; 0 = do not wait; default: 10")
-      ->check(CLI::Range(0.0, 3600.0));
+      ->check(CLI::Range(0.0, 3600.0))
+      ->check(refuse_nan);
   command->add_option("--host", arguments->host, "the service's address; default: 127.0.0.1");
   command->add_option("--port", arguments->port, "its Modbus TCP port; default: 1502");
   command->callback([arguments] { run_aim(*arguments); });

@@ -20,13 +20,13 @@
 #include "drivers/modbus/rtu_server.h"
 #include "drivers/modbus/tcp_server.h"
 #include "drivers/posix/late_device.h"
+#include "drivers/posix/listening_program.h"
 #include "programs/assembly/input_files.h"
 #include "programs/assembly/localiser_options.h"
 #include "programs/assembly/modbus_options.h"
 #include "programs/assembly/open_head.h"
 #include "programs/assembly/open_source.h"
 #include "programs/commands/commands.h"
-#include "programs/commands/service_client.h"
 
 namespace ninedot {
 namespace {
@@ -92,19 +92,19 @@ class Findings {
   bool is_service_running_ = false;
 };
 
-/// Where a client on this machine reaches a server that listens on `listen`.
-std::string local_address_of(const std::string& listen) {
-  return listen == "0.0.0.0" ? "127.0.0.1" : listen == "::" ? "::1" : listen;
-}
-
 /// The first, because a running service explains what else is in use.
 void check_modbus_tcp(const ModbusTcpConfig& tcp, Findings& findings) {
   const Result<void> free = try_listen(tcp.listen, tcp.port);
   if (free) return;
   const int error = free.error().os_errno;
-  if (error == EADDRINUSE && is_ninedotd_at(local_address_of(tcp.listen), tcp.port)) {
+  const Listening service = error == EADDRINUSE ? find_listener("ninedotd", tcp.port) : Listening::kNo;
+  if (service != Listening::kNo) {
     findings.note_running_service();
-    findings.note("modbus.tcp.port", fmt::format("{} port {} is in use by a running ninedotd", tcp.listen, tcp.port));
+    findings.note("modbus.tcp.port",
+                  fmt::format("{} port {} is in use{}", tcp.listen, tcp.port,
+                              service == Listening::kYes
+                                  ? " by a running ninedotd"
+                                  : "; a ninedotd is running, which may be what has it: root sees whether it is"));
     return;
   }
   findings.refuse(error == EADDRNOTAVAIL ? "modbus.tcp.listen" : "modbus.tcp.port",
@@ -149,6 +149,13 @@ void check_devices(const Config& config, const ConfigProblems& problems, std::op
   check_head(config, [&](const char* key, const std::function<void()>& step) { findings.attempt(key, step); });
 }
 
+/// What the service asks of the camera's keys before it looks at anything else; check_devices finds the same.
+void check_camera_keys(const CameraConfig& camera, Findings& findings) {
+  findings.attempt("camera.device", [&] { check_device_named(camera); });
+  // Without a recording there is no calibration of its own either; that is no second mistake.
+  if (camera.source != "recording") findings.attempt("camera.calibration", [&] { calibration_file(camera); });
+}
+
 void run_check(const std::string& path, bool file_only) {
   ConfigProblems problems;
   const Config config = read_config(path, problems);
@@ -163,7 +170,12 @@ void run_check(const std::string& path, bool file_only) {
   if (!config.camera.wait_for_device)
     findings.note("camera.wait_for_device", "without effect: the service always waits for its camera; remove it");
   // What could not be read says nothing of devices.
-  if (!file_only && is_source_known && problems.can_be_read) check_devices(config, problems, camera, findings);
+  if (is_source_known && problems.can_be_read) {
+    if (file_only)
+      check_camera_keys(config.camera, findings);
+    else
+      check_devices(config, problems, camera, findings);
+  }
   findings.conclude([&] {
     fmt::print("{}: ok\n", path);
     print_summary(config, camera);

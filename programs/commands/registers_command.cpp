@@ -1,10 +1,10 @@
 /// `ninedot registers`: the register map, for people (md), spreadsheets (csv) and programs (json).
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <memory>
 #include <string>
 
-#include "base/startup_error.h"
 #include "programs/commands/commands.h"
 #include "proto/register_document.h"
 
@@ -15,8 +15,7 @@ void print_registers(const std::string& format) {
   const std::string text = format == "csv"    ? register_map_csv()
                            : format == "json" ? register_map_json()
                                               : register_map_markdown();
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-    throw StartupError(ExitStatus::kWorkFailed, "cannot write the register map to standard output: is the disk full?");
+  fmt::print("{}", text);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <chrono>
 #include <cstring>
 
@@ -14,8 +13,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr auto kPatience = 2s;
+
 ModbusTcpClient connect(const std::string& host, std::uint16_t port) {
-  Result<ModbusTcpClient> client = ModbusTcpClient::connect(host, port, 2s);
+  Result<ModbusTcpClient> client = ModbusTcpClient::connect(host, port, kPatience);
   if (!client)
     throw StartupError(
         ExitStatus::kWorkFailed,
@@ -27,22 +28,31 @@ ModbusTcpClient connect(const std::string& host, std::uint16_t port) {
 
 }  // namespace
 
-bool is_ninedotd_at(const std::string& host, std::uint16_t port) {
-  Result<ModbusTcpClient> client = ModbusTcpClient::connect(host, port, 2s);
-  std::array<std::uint16_t, 1> magic{};
-  return client && client->read_registers(reg::kMagic, magic) && magic[0] == kRegisterMapMagic;
-}
-
 ServiceClient::ServiceClient(const std::string& host, std::uint16_t port)
-    : place_(fmt::format("{} port {}", host, port)), client_(connect(host, port)) {}
+    : host_(host), port_(port), client_(connect(host, port)) {}
+
+std::string ServiceClient::place() const { return fmt::format("{} port {}", host_, port_); }
 
 void ServiceClient::fail(const std::string& what) const {
-  throw StartupError(ExitStatus::kWorkFailed, fmt::format("{}: {}", place_, what));
+  throw StartupError(ExitStatus::kWorkFailed, fmt::format("{}: {}", place(), what));
 }
 
 RegisterReader ServiceClient::read() {
-  if (const Result<void> done = client_.read_registers(0, registers_); !done)
-    fail(fmt::format("{}: {}", done.error().text, std::strerror(done.error().os_errno)));
+  const Result<RegisterReader> reader = try_read();
+  if (!reader) fail(fmt::format("{}: {}", reader.error().text, std::strerror(reader.error().os_errno)));
+  return *reader;
+}
+
+Result<RegisterReader> ServiceClient::try_read() {
+  if (!client_) {
+    Result<ModbusTcpClient> again = ModbusTcpClient::connect(host_, port_, kPatience);
+    if (!again) return tl::unexpected<Error>(again.error());
+    client_.emplace(std::move(*again));
+  }
+  if (const Result<void> done = client_->read_registers(0, registers_); !done) {
+    client_.reset();
+    return tl::unexpected<Error>(done.error());
+  }
   const RegisterReader reader = make_reader(registers_);
   if (!reader.is_ninedot())
     fail(fmt::format(
@@ -52,7 +62,7 @@ RegisterReader ServiceClient::read() {
 }
 
 void ServiceClient::write(std::uint16_t first, std::span<const std::uint16_t> values) {
-  if (const Result<void> done = client_.write_registers(first, values); !done)
+  if (const Result<void> done = client_->write_registers(first, values); !done)
     fail(fmt::format("the command was refused ({})", std::strerror(done.error().os_errno)));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// A running service as the commands that talk to it see it: a Modbus TCP client with errors that say what to do.
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -8,9 +9,6 @@
 #include "proto/register_codec.h"
 
 namespace ninedot {
-
-/// Whether a ninedotd, of whatever version, answers there by Modbus: register 0 says so.
-bool is_ninedotd_at(const std::string& host, std::uint16_t port);
 
 /// Threads: one.
 class ServiceClient {
@@ -21,15 +19,21 @@ class ServiceClient {
   /// The whole map, of one frame; stays valid until the next read. Throws StartupError(kWorkFailed): no answer, or no
   /// ninedotd of this version.
   RegisterReader read();
+  /// The same for those who wait for a lost service: connects again first where the last attempt failed.
+  /// \error  kIo: no answer. Throws StartupError(kWorkFailed): no ninedotd of this version.
+  Result<RegisterReader> try_read();
   /// Throws StartupError(kWorkFailed): refused.
   void write(std::uint16_t first, std::span<const std::uint16_t> values);
 
   /// Throws StartupError(kWorkFailed) with "HOST port PORT: what".
   [[noreturn]] void fail(const std::string& what) const;
+  /// "HOST port PORT"
+  std::string place() const;
 
  private:
-  std::string place_;
-  ModbusTcpClient client_;
+  const std::string host_;
+  const std::uint16_t port_;
+  std::optional<ModbusTcpClient> client_;  // none: lost
   RegisterBlock registers_{};
 };
 

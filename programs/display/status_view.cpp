@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
@@ -72,6 +73,18 @@ std::string metric_value(const RegisterReader& r, const Metric& metric) {
   return is_unknown ? "?" : number(value, metric.decimals);
 }
 
+/// "1 client", "2 clients". \param words  "{} client(s)"
+std::string in_number(std::string_view words, std::string_view value) {
+  const std::size_t number = words.find("{}"), ending = std::min(words.find("(s)"), words.size());
+  std::string text(words.substr(0, number));
+  text += value;
+  text += words.substr(number + 2, ending - number - 2);
+  if (ending == words.size()) return text;
+  if (value != "1") text += 's';
+  text += words.substr(ending + 3);
+  return text;
+}
+
 /// Nothing for a metric that is not shown now.
 std::string metric_words(const RegisterReader& r, const Metric& metric) {
   if (metric.kind == MetricKind::kFlag) {
@@ -80,8 +93,7 @@ std::string metric_words(const RegisterReader& r, const Metric& metric) {
     return std::string(is_set ? metric.words.substr(0, bar) : metric.words.substr(bar + 1));
   }
   if (!metric.always_shown && r.value(metric.address) == 0) return {};
-  std::string words(metric.words);
-  return words.replace(words.find("{}"), 2, metric_value(r, metric));
+  return in_number(metric.words, metric_value(r, metric));
 }
 
 /// The metrics' rows: "name       one, another", broken before column 100.
@@ -144,9 +156,9 @@ std::string status_line(const RegisterReader& r) {
   } else {
     add(text, "no valid pose: {}", reason_sentence(r.integer(reg::kReason)));
   }
-  add(text, "; {} Hz, latency {} ms (p99 {}), {} dropped, {} clients", number(known_value(r, reg::kFrameRate), 1),
+  add(text, "; {} Hz, latency {} ms (p99 {}), {} dropped, {}", number(known_value(r, reg::kFrameRate), 1),
       number(known_value(r, reg::kLatencyMedian), 1), number(known_value(r, reg::kLatencyP99), 1),
-      r.integer(reg::kFramesDropped), r.integer(reg::kConnectedClients));
+      r.integer(reg::kFramesDropped), in_number("{} client(s)", fmt::format("{}", r.integer(reg::kConnectedClients))));
   return fmt::to_string(text);
 }
 

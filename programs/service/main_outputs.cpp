@@ -27,7 +27,7 @@ void LiveOutput::take(const Report& /*newest*/, bool /*is_new*/, MonoTime now) {
   if (!display_.is_due(now)) return;
   std::vector<std::string> lines;
   for (const ConnectedClient& client : modbus_.clients())
-    lines.push_back(fmt::format("{}, {} requests", client.address, client.requests));
+    lines.push_back(fmt::format("{}, {} request{}", client.address, client.requests, client.requests == 1 ? "" : "s"));
   const RegisterBlock registers = modbus_.registers();
   display_.show(RegisterReader(registers, codec_), lines, now);
 }

@@ -28,6 +28,11 @@ void ServiceLog::write(const std::string& line) {
   static_cast<void>(print_patiently(STDERR_FILENO, fmt::format("ninedotd: {}\n", line), kPatience));
 }
 
+void ServiceLog::note_camera_absent(const std::string& refusal) {
+  said_ = seen_ = Reason::kCameraLost;
+  write("camera: waits for it: " + refusal);
+}
+
 void ServiceLog::note(const Report& report, const Error& last_error, MonoTime now) {
   if (report.reason != seen_) {
     seen_ = report.reason;

@@ -20,6 +20,9 @@ class ServiceLog {
   /// One line to standard error: "ninedotd: LINE".
   void write(const std::string& line);
 
+  /// Says at the start why there is no camera yet; note() does not say so again.
+  void note_camera_absent(const std::string& refusal);
+
   /// Says when the landmark comes and goes and when the camera fails and recovers: a change that has lasted for
   /// kSettle (and the very first one at once), so that a landmark at the edge of sight does not fill the disk.
   void note(const Report& report, const Error& last_error, MonoTime now);

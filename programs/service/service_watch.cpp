@@ -38,11 +38,11 @@ void watch_until_signalled(const TerminationSignals& signals, const RunningServi
   manager.stopping();
 }
 
-std::string realtime_text(int priority, int refused_errno) {
-  if (refused_errno == 0) return fmt::format("SCHED_FIFO {}", priority);
+std::string realtime_text(int priority, const Result<void>& entered) {
+  if (entered) return fmt::format("SCHED_FIFO {}", priority);
   if (priority == 0) return "ordinary priority, as configured";
   return fmt::format("ordinary priority: SCHED_FIFO {} was refused ({}): allow it with LimitRTPRIO= or `ulimit -r`",
-                     priority, std::strerror(refused_errno));
+                     priority, std::strerror(entered.error().os_errno));
 }
 
 std::string memory_text(bool wanted, const Result<void>& locked) {

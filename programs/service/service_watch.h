@@ -22,7 +22,7 @@ struct RunningService {
 void watch_until_signalled(const TerminationSignals& signals, const RunningService& service);
 
 /// "SCHED_FIFO 50", or why not and what to do about it.
-std::string realtime_text(int priority, int refused_errno);
+std::string realtime_text(int priority, const Result<void>& entered);
 /// "locked", or why not and what to do about it.
 std::string memory_text(bool wanted, const Result<void>& locked);
 

@@ -32,14 +32,20 @@ TEST(ServoAxis, CutsAtTheLimitsOfTheOutputAndSaysSo) {
   EXPECT_TRUE(unit.output_at(1.01).limited);
 }
 
-TEST(ServoAxis, SaysWhatIsWrongWithACalibration) {
-  const auto problem = [](std::vector<AxisPoint> points) { return ServoAxis::problem_of(points); };
-  EXPECT_EQ(problem({{0, 1000}, {1, 2000}}), "");
-  EXPECT_EQ(problem({{0, 2000}, {1, 1000}}), "");
-  EXPECT_NE(problem({{0, 1000}}).find("2 to 32 points, not 1"), std::string::npos);
-  EXPECT_NE(problem({{0, 1000}, {0, 2000}}).find("number 2"), std::string::npos);
-  EXPECT_NE(problem({{0, 1000}, {1, 2000}, {2, 1900}}).find("number 3"), std::string::npos);
-  EXPECT_NE(problem({{0, 1000}, {1, 1000}}).find("number 2"), std::string::npos);
+TEST(ServoAxis, AcceptsPointsThatRiseOrFallStrictly) {
+  const auto accepts = [](std::vector<AxisPoint> points) { return ServoAxis::accepts(points); };
+  EXPECT_TRUE(accepts({{0, 1000}, {1, 2000}}));
+  EXPECT_TRUE(accepts({{0, 2000}, {1, 1000}}));
+  EXPECT_FALSE(accepts({{0, 1000}}));
+  EXPECT_FALSE(accepts({{0, 1000}, {0, 2000}}));
+  EXPECT_FALSE(accepts({{0, 1000}, {1, 2000}, {2, 1900}}));
+  EXPECT_FALSE(accepts({{0, 1000}, {1, 1000}}));
+  std::vector<AxisPoint> many(ServoAxis::kMaxPoints + 1);
+  for (std::size_t i = 0; i < many.size(); ++i)
+    many[i] = {0.01 * static_cast<double>(i), 1000.0 + static_cast<double>(i)};
+  EXPECT_FALSE(accepts(many));
+  many.pop_back();
+  EXPECT_TRUE(accepts(many));
 }
 
 }  // namespace

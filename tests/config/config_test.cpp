@@ -30,6 +30,14 @@ std::string error_of(const std::string& text) {
   return "no error";
 }
 
+std::vector<std::string> errors_of(const std::string& text) {
+  ConfigProblems problems;
+  read_config_text(text, "t.toml", problems);
+  std::vector<std::string> lines;
+  for (const ConfigProblem& problem : problems.list) lines.push_back(problem_text("t.toml", problem));
+  return lines;
+}
+
 std::string header_of(const ConfigKey& key) {
   return key.table == "landmarks" ? "[[landmarks]]\n" : fmt::format("[{}]\n", key.table);
 }
@@ -106,7 +114,7 @@ TEST(Config, RefusesAHeadThatCanNotBe) {
   EXPECT_NE(error_of(head + "centre_us = 1990\nneutral_deg = 2").find("pulse outside of min_us = 1000"),
             std::string::npos);
   EXPECT_NE(error_of(head + "min_us = 2100").find("write more than min_us = 2100"), std::string::npos);
-  EXPECT_NE(error_of("[pan_tilt]\ndriver = \"gpio\"\nperiod_ms = 5\n[pan_tilt.pan]\nmax_us = 2600")
+  EXPECT_NE(error_of("[pan_tilt]\ndriver = \"simulated\"\nperiod_ms = 5\n[pan_tilt.pan]\nmax_us = 2600")
                 .find("t.toml:5: 'max_us'"),
             std::string::npos);
   EXPECT_NE(
@@ -117,6 +125,52 @@ TEST(Config, RefusesAHeadThatCanNotBe) {
         << wrong;
   EXPECT_NE(error_of(head + "calibration = [[0, 1000], [1, 1e9]]").find("write -100000 to"), std::string::npos);
   EXPECT_EQ(error_of("[pan_tilt.pan]\nmin_deg = 60"), "no error") << "without a driver the axes do not matter";
+}
+
+TEST(Config, SaysAllThatIsWrongWithAHead) {
+  EXPECT_EQ(
+      errors_of("[pan_tilt]\ndriver = \"sysfs-pwm\"\n[pan_tilt.pan]\nmin_deg = 5\nmax_deg = 5\n"
+                "calibration = [[0, 1000]]\nmax_us = 800\nchannel = 1\n[pan_tilt.tilt]\nneutral_deg = 50\n"
+                "max_us = 900\nchip = \"a.pwm\"\n"),
+      (std::vector<std::string>{
+          "t.toml:3: 'chip' is empty; write the device of the PWM chip, like fe20c000.pwm",
+          "t.toml:5: 'max_deg' is 5; write more than min_deg = 5",
+          "t.toml:6: 'calibration' is of no use; write 2 to 32 pairs whose angles rise and whose outputs all rise "
+          "or all fall",
+          "t.toml:7: 'max_us' is 800; write more than min_us = 1000",
+          "t.toml:10: 'neutral_deg' is 50; write -45 to 45, min_deg to max_deg",
+          "t.toml:11: 'max_us' is 900; write more than min_us = 1000",
+      }));
+}
+
+TEST(Config, RefusesAHeadWithoutTheNamesOfItsDevices) {
+  EXPECT_EQ(errors_of("[pan_tilt]\ndriver = \"gpio\"\n[pan_tilt.pan]\nline = \"\"\n[pan_tilt.tilt]\n"),
+            (std::vector<std::string>{
+                "t.toml:4: 'line' is empty; write a GPIO line's name, or LABEL:OFFSET",
+                "t.toml:5: 'line' is empty; write a GPIO line's name, or LABEL:OFFSET",
+            }));
+  EXPECT_EQ(error_of("[pan_tilt]\ndriver = \"visca\""), "t.toml:1: 'device' is empty; write the camera's serial port");
+}
+
+TEST(Config, RefusesADeviceThatTwoKeysName) {
+  EXPECT_EQ(error_of("[pan_tilt]\ndriver = \"visca\"\ndevice = \"/dev/ttyUSB0\"\n[modbus.rtu]\ndevice = "
+                     "\"/dev//ttyUSB0\""),
+            "t.toml:5: modbus.rtu.device and pan_tilt.device are both '/dev/ttyUSB0'; a device serves one of them");
+  EXPECT_EQ(error_of("[pan_tilt]\ndriver = \"visca\"\ndevice = \"/dev/ttyS1\"\n[modbus.rtu]\n").substr(0, 9),
+            "t.toml:4:")
+      << "the default";
+  EXPECT_EQ(error_of("[pan_tilt]\ndevice = \"/dev/ttyS1\"\n[modbus.rtu]\n"), "no error") << "no head";
+  EXPECT_EQ(error_of("[pan_tilt]\ndriver = \"visca\"\ndevice = \"/dev/ttyS1\"\n"), "no error") << "no Modbus RTU";
+  EXPECT_EQ(errors_of("[gpio]\ninhibit = \"a:1\"\nstatus_led = \"a:1\"\n[pan_tilt]\ndriver = \"gpio\"\n"
+                      "[pan_tilt.pan]\nline = \"b\"\n[pan_tilt.tilt]\nline = \"b\"\n"),
+            (std::vector<std::string>{
+                "t.toml:3: gpio.status_led and gpio.inhibit are both 'a:1'; a device serves one of them",
+                "t.toml:9: pan_tilt.tilt.line and pan_tilt.pan.line are both 'b'; a device serves one of them",
+            }));
+  EXPECT_EQ(errors_of("[pan_tilt]\ndriver = \"sysfs-pwm\"\n[pan_tilt.pan]\nchip = \"c\"\n[pan_tilt.tilt]\nchip "
+                      "= \"c\"\nchannel = 0\n"),
+            (std::vector<std::string>{"t.toml:7: pan_tilt.tilt.channel and pan_tilt.pan.channel are both '0 of c'; a "
+                                      "device serves one of them"}));
 }
 
 TEST(Config, TakesEachKeyAtBothEndsOfItsRangeAndRefusesWhatLiesBeyond) {

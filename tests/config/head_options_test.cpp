@@ -42,7 +42,12 @@ TEST(HeadOptions, TurnAnglesIntoTheStepsOfAViscaCameraWithinItsOwnRange) {
   config.pan.direction = "reversed";
   EXPECT_NEAR(servo_axes(config).pan.output_at(10 * kDeg).value, 88, 1e-6);
   config.tilt.neutral_deg = 30;
-  EXPECT_EQ(find_head_problem(config).key, "pan_tilt.tilt.neutral_deg");
+  ConfigProblems problems;
+  problems.lines = {{"pan_tilt.tilt.neutral_deg", 7}};
+  check_head_axes(config, problems);
+  ASSERT_EQ(problems.list.size(), 1U);
+  EXPECT_EQ(problems.list[0].line, 7);
+  EXPECT_EQ(problems.list[0].what, "'neutral_deg' is 30, beyond the camera's own range");
 }
 
 TEST(HeadOptions, StartWhereTheConfigurationSays) {

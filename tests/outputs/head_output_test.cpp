@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <atomic>
+#include <cerrno>
 #include <cmath>
 #include <numbers>
 #include <thread>
@@ -175,7 +176,7 @@ class SlowHead final : public PanTilt {
 
 class OrdinaryThread final : public FrameThread {
  public:
-  int enter() noexcept override { return 1; }
+  Result<void> enter() noexcept override { return fail(Errc::kIo, "refused", EPERM); }
 };
 
 TEST(HeadOutput, InAThreadOfItsOwnASlowHeadDelaysNoReportAndOrdersArriveWithoutFrames) {
@@ -184,7 +185,8 @@ TEST(HeadOutput, InAThreadOfItsOwnASlowHeadDelaysNoReportAndOrdersArriveWithoutF
   Mailbox<Report> reports;
   OrdinaryThread priority;
   const OutputThread thread(reports, output, priority, 5ms);
-  EXPECT_EQ(thread.refused(), 1);
+  ASSERT_FALSE(thread.realtime());
+  EXPECT_EQ(thread.realtime().error().os_errno, EPERM);
   constexpr int kReports = 50;
   std::chrono::nanoseconds in_all{};
   for (int i = 0; i < kReports; ++i) {

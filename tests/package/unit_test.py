@@ -4,6 +4,7 @@ import os
 import pathlib
 import re
 import shlex
+import socket
 import subprocess
 import tempfile
 import unittest
@@ -71,6 +72,14 @@ class Unit(unittest.TestCase):
 
     def test_the_check_before_the_start_waits_for_no_device(self):
         checked = self.pre_start(EVERY_DEVICE_MISSING)
+        self.assertEqual(checked.returncode, 0, checked.stderr)
+
+    def test_the_check_before_the_start_looks_at_the_file_alone(self):
+        with socket.socket() as taken:
+            taken.bind(("127.0.0.1", 0))
+            taken.listen()
+            config = EVERY_DEVICE_MISSING.replace(str(CALIBRATION), "/nowhere/camera.yaml")
+            checked = self.pre_start(f"{config}[modbus.tcp]\nport = {taken.getsockname()[1]}\n")
         self.assertEqual(checked.returncode, 0, checked.stderr)
 
     def test_the_check_before_the_start_says_what_is_wrong_with_the_file(self):

@@ -76,11 +76,14 @@ class EvenFramesAreFound final : public FrameProcessor {
 
 class OrdinaryThread final : public FrameThread {
  public:
-  explicit OrdinaryThread(int answer) : answer_(answer) {}
-  int enter() noexcept override { return answer_; }
+  explicit OrdinaryThread(int os_errno) : os_errno_(os_errno) {}
+  Result<void> enter() noexcept override {
+    if (os_errno_ != 0) return fail(Errc::kIo, "refused", os_errno_);
+    return {};
+  }
 
  private:
-  int answer_;
+  int os_errno_;
 };
 
 struct Bench {
@@ -243,7 +246,8 @@ TEST(FrameLoop, RunsOnItsOwnThreadUntilToldToStopAndSaysWhetherItIsRealTime) {
   for (const int refused : {0, 1}) {
     Bench bench({{.frame_number = 2}, {.frame_number = 4}});
     OrdinaryThread thread(refused);
-    EXPECT_EQ(bench.loop.start(thread), refused);
+    const Result<void> started = bench.loop.start(thread);
+    EXPECT_EQ(started ? 0 : started.error().os_errno, refused);
     EXPECT_EQ(bench.health.read().realtime, refused == 0);
     const MonoTime begin = mono_now();
     while (bench.loop.frames_processed() < 2 && mono_now() < begin + 5s) std::this_thread::sleep_for(1ms);
@@ -262,7 +266,7 @@ TEST(FrameLoop, TheRateFallsToZeroWithinTwoHealthPeriodsWhenFramesStop) {
     options.health_period = 200ms;
     Bench bench(std::move(script), options);
     OrdinaryThread thread(0);
-    bench.loop.start(thread);
+    EXPECT_TRUE(bench.loop.start(thread));
     const auto rate_hz = [&] {
       return frame_metrics(bench.reports.read(), bench.health.read(), mono_now())[MetricId::kFrameRate];
     };
@@ -368,7 +372,7 @@ TEST(FrameLoop, AValidReportKeepsTheHeadOfItsExposureUntilThereIsAnotherFrame) {
 TEST(FrameLoop, EndsByItselfWhenTheSourceIsOver) {
   Bench bench({{.frame_number = 2}, {.failure = Errc::kEndOfStream}});
   OrdinaryThread thread(0);
-  bench.loop.start(thread);
+  EXPECT_TRUE(bench.loop.start(thread));
   const MonoTime begin = mono_now();
   while (!bench.loop.over() && mono_now() < begin + 5s) std::this_thread::sleep_for(1ms);
   EXPECT_TRUE(bench.loop.over());

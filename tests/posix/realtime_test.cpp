@@ -17,23 +17,24 @@ namespace {
 using namespace std::chrono_literals;
 
 TEST(RealtimeThread, RunsUnderSchedFifoExactlyWhenItSaysSo) {
-  int answer = -1;
+  Result<void> answer;
   int policy = -1;
   std::thread([&] {
     answer = RealtimeThread(10).enter();
     sched_param parameters{};
     pthread_getschedparam(pthread_self(), &policy, &parameters);
   }).join();
-  if (answer == 0)
+  if (answer)
     EXPECT_EQ(policy, SCHED_FIFO);
   else
-    EXPECT_EQ(answer, EPERM);
+    EXPECT_EQ(answer.error().os_errno, EPERM);
 }
 
 TEST(RealtimeThread, StaysAnOrdinaryThreadAtPriorityZero) {
   int policy = -1;
   std::thread([&] {
-    EXPECT_EQ(RealtimeThread(0).enter(), ECANCELED);
+    const Result<void> entered = RealtimeThread(0).enter();
+    EXPECT_EQ(entered ? 0 : entered.error().os_errno, ECANCELED);
     sched_param parameters{};
     pthread_getschedparam(pthread_self(), &policy, &parameters);
   }).join();
@@ -41,7 +42,10 @@ TEST(RealtimeThread, StaysAnOrdinaryThreadAtPriorityZero) {
 }
 
 TEST(RealtimeThread, AnImpossiblePriorityIsRefusedAndNotFatal) {
-  std::thread([] { EXPECT_EQ(RealtimeThread(100).enter(), EINVAL); }).join();
+  std::thread([] {
+    const Result<void> entered = RealtimeThread(100).enter();
+    EXPECT_EQ(entered ? 0 : entered.error().os_errno, EINVAL);
+  }).join();
 }
 
 TEST(TerminationSignals, WaitReturnsTheSignalOrZeroInTime) {

@@ -1,10 +1,12 @@
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -77,11 +79,27 @@ class Commands : public testing::Test {
   TemporaryRecording folder_{0};
 };
 
+/// Lets this process go by the service's name.
+class CalledNinedotd {
+ public:
+  CalledNinedotd() {
+    ::prctl(PR_GET_NAME, before_.data());
+    ::prctl(PR_SET_NAME, "ninedotd");
+  }
+  ~CalledNinedotd() { ::prctl(PR_SET_NAME, before_.data()); }
+  CalledNinedotd(const CalledNinedotd&) = delete;
+  CalledNinedotd& operator=(const CalledNinedotd&) = delete;
+
+ private:
+  std::array<char, 16> before_{};
+};
+
 TEST_F(Commands, CheckSaysOkWithASummary) {
   const Outcome outcome = check(camera());
   EXPECT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
   EXPECT_EQ(outcome.line.substr(0, outcome.line.find('\n')), folder_.path() + "/c.toml: ok");
   EXPECT_NE(outcome.line.find("640x480"), std::string::npos);
+  EXPECT_EQ(outcome.line.find("note:"), std::string::npos) << outcome.line;
 }
 
 TEST_F(Commands, CheckAcceptsTheDefaultConfigurationOnItsRecording) {
@@ -155,6 +173,23 @@ TEST_F(Commands, CheckOfTheFileAloneLooksAtNothingElse) {
   EXPECT_EQ(run({"check", "--file-only", "--config", config(text + "port = 0\n")}).status, ExitStatus::kWrongUsage);
 }
 
+TEST_F(Commands, CheckOfTheFileAloneMissesNothingThatTheFileLeavesOut) {
+  const auto refusal_of_file = [&](const std::string& text) {
+    const Outcome outcome = run({"check", "--file-only", "--config", config(text)});
+    EXPECT_EQ(outcome.status, ExitStatus::kWrongUsage) << text;
+    return outcome.line;
+  };
+  for (const char* source : {"v4l2", "libcamera", "recording"})
+    EXPECT_NE(refusal_of_file(fmt::format("[camera]\nsource = \"{}\"\n", source))
+                  .find("c.toml:1: camera.device is missing: "),
+              std::string::npos);
+  EXPECT_NE(refusal_of_file("[camera]\nsource = \"v4l2\"\ndevice = \"/dev/video0\"\n")
+                .find("c.toml:1: camera.calibration is missing: "),
+            std::string::npos);
+  EXPECT_NE(refusal_of_file(camera() + "[pan_tilt]\ndriver = \"visca\"\n").find("c.toml:3: 'device' is empty"),
+            std::string::npos);
+}
+
 TEST_F(Commands, CheckSaysThatAnOlderFilesWaitForDeviceHasNoEffect) {
   const Outcome outcome = check(camera() + "wait_for_device = false");
   EXPECT_EQ(outcome.status, ExitStatus::kSuccess);
@@ -165,7 +200,9 @@ TEST_F(Commands, CheckKnowsARunningServiceFromAnotherProgramOnItsPort) {
   const test::WireBox source;
   ModbusOptions options;
   options.tcp.emplace().port = 0;
+  options.tcp->allow = {"192.0.2.1"};
   const ModbusServer service(source, options);
+  const CalledNinedotd name;
   const Outcome outcome = check(camera() + fmt::format("[modbus.tcp]\nport = {}", service.tcp_port()));
   EXPECT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
   EXPECT_NE(outcome.line.find(

@@ -1,7 +1,9 @@
 #include "programs/service/service_log.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <functional>
 
 namespace ninedot {
@@ -15,7 +17,61 @@ std::string written(const std::function<void()>& work) {
   return testing::internal::GetCapturedStderr();
 }
 
+Report report_of(Reason reason) {
+  Report report;
+  report.reason = reason;
+  report.landmark_id = 7;
+  report.distance_m = 2;
+  return report;
+}
+
 constexpr MonoTime at(std::chrono::nanoseconds since) { return MonoTime(1000s) + since; }
+
+TEST(ServiceLog, TellsOfTheFirstReportAtOnceAndOfAChangeWhenItHasLasted) {
+  ServiceLog log;
+  const auto note = [&](Reason reason, std::chrono::nanoseconds since) {
+    return written([&] { log.note(report_of(reason), {}, at(since)); });
+  };
+  EXPECT_EQ(note(Reason::kStarting, 0s), "");
+  EXPECT_EQ(note(Reason::kNone, 1s), "ninedotd: landmark 7 found at 2.000 m\n");
+  EXPECT_EQ(note(Reason::kNoLandmark, 2s), "");
+  EXPECT_EQ(note(Reason::kNoLandmark, 2400ms), "");
+  EXPECT_EQ(note(Reason::kNone, 2500ms), "") << "it was hidden for a moment";
+  EXPECT_EQ(note(Reason::kNoLandmark, 3s), "");
+  EXPECT_EQ(note(Reason::kNoLandmark, 3500ms), "ninedotd: the frame shows no landmark\n");
+  EXPECT_EQ(note(Reason::kNoLandmark, 9s), "") << "told already";
+}
+
+TEST(ServiceLog, TellsTheSourcesErrorWhereTheSourceFailedAndOnlyThere) {
+  const auto first_line = [](Reason reason, const Error& last_error) {
+    ServiceLog log;
+    return written([&] { log.note(report_of(reason), last_error, at(0s)); });
+  };
+  EXPECT_EQ(first_line(Reason::kCameraLost, {Errc::kCameraLost, ENODEV, "its cable is out"}),
+            "ninedotd: the camera vanished or stalled: its cable is out (No such device)\n");
+  EXPECT_EQ(first_line(Reason::kFrameUnreadable, {Errc::kFrameUnreadable, 0, "cut off"}),
+            "ninedotd: the picture could not be read: cut off\n");
+  EXPECT_EQ(first_line(Reason::kFrameSize, {Errc::kFrameSize, 0, "too small"}),
+            "ninedotd: the frame's size is not the calibration's: too small\n");
+  EXPECT_EQ(first_line(Reason::kCameraLost, {}), "ninedotd: the camera vanished or stalled\n");
+  for (const Reason reason : {Reason::kNoLandmark, Reason::kPoseDegenerate, Reason::kStopped})
+    EXPECT_EQ(first_line(reason, {Errc::kCameraLost, ENODEV, "long ago"}),
+              fmt::format("ninedotd: {}\n", reason_sentence(reason)));
+}
+
+TEST(ServiceLog, TellsOnceOfACameraThatIsAbsentAtTheStart) {
+  ServiceLog log;
+  EXPECT_EQ(written([&] { log.note_camera_absent("/dev/video9: no such camera"); }),
+            "ninedotd: camera: waits for it: /dev/video9: no such camera\n");
+  const auto note = [&](Reason reason, std::chrono::nanoseconds since) {
+    return written([&] { log.note(report_of(reason), {Errc::kCameraLost, ENOENT, "not open"}, at(since)); });
+  };
+  EXPECT_EQ(note(Reason::kStarting, 0s), "");
+  EXPECT_EQ(note(Reason::kCameraLost, 10ms), "");
+  EXPECT_EQ(note(Reason::kCameraLost, 5s), "");
+  EXPECT_EQ(note(Reason::kNone, 6s), "");
+  EXPECT_EQ(note(Reason::kNone, 7s), "ninedotd: landmark 7 found at 2.000 m\n");
+}
 
 TEST(ServiceLog, TellsOfADeviceOnceWhenItGoesAndOnceWhenItIsBack) {
   ServiceLog log;

@@ -348,8 +348,8 @@ class WaitingForDevices(unittest.TestCase):
     """A device that is not there ends nothing: the service answers, says what it waits for, and takes it when it comes."""
 
     def test_every_kind_of_device_may_be_missing(self):
-        for extra, words in (('[pan_tilt]\ndriver = "sysfs-pwm"\n[pan_tilt.pan]\nchip = "x"', "PWM chip 'x'"),
-                             ('[pan_tilt]\ndriver = "gpio"\n[pan_tilt.pan]\nline = "x"', "GPIO line 'x'"),
+        for extra, words in (('[pan_tilt]\ndriver = "sysfs-pwm"\npan.chip = "x"\ntilt.chip = "x"', "PWM chip 'x'"),
+                             ('[pan_tilt]\ndriver = "gpio"\npan.line = "x"\ntilt.line = "y"', "GPIO line 'x'"),
                              ('[pan_tilt]\ndriver = "visca"\ndevice = "/dev/x"', "/dev/x: there is no such serial port"),
                              ('[gpio]\ninhibit = "x"', "inhibit input: not there, waits for it: GPIO line 'x'"),
                              ('[gpio]\nservo_power = "x"', "servo power: not there, waits for it: GPIO line 'x'"),
@@ -370,8 +370,11 @@ class WaitingForDevices(unittest.TestCase):
             f'device = "{APPROACH}"', f'device = "/dev/does-not-exist"\ncalibration = "{APPROACH}/camera.yaml"')
         with Service(config) as service, Client(port=port) as client:
             client.wait_for(lambda registers: registers[5] == 4)
-            service.wait_for_log("/dev/does-not-exist: no such camera")
+            service.wait_for_log("camera: waits for it: /dev/does-not-exist: no such camera")
+            time.sleep(1.5)  # a second line would have come by now
             self.assertEqual(service.end()[0], 0)
+            told = [line for line in service.log_text().splitlines() if "camera" in line]
+            self.assertEqual(len(told), 1, told)
 
     def test_a_missing_inhibit_line_keeps_the_head_where_it_is(self):
         port = free_port()
@@ -413,6 +416,89 @@ class WaitingForDevices(unittest.TestCase):
         while service.log_text().count(text) < count:
             self.assertLess(time.monotonic(), deadline, service.log_text())
             time.sleep(0.02)
+
+
+class CheckBesideARunningService(unittest.TestCase):
+    """The service is known by its socket: it may keep this machine's clients out."""
+
+    def checked(self, service, **options):
+        result = run("ninedot", "check", "--config", service.config, **options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    def test_that_refuses_this_machine(self):
+        for extra in ('allow = ["192.0.2.1"]\n', "max_clients = 1\n"):
+            port = free_port()
+            with Service(config_text(port=port) + extra) as service:
+                service.wait_for_log("found at")
+                with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S):
+                    self.assertIn(f"note: 127.0.0.1 port {port} is in use by a running ninedotd", self.checked(service))
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root may be somebody else")
+    def test_as_a_user_who_may_not_see_its_sockets(self):
+        port = free_port()
+        with Service(config_text(port=port)) as service:
+            service.wait_for_log("found at")
+            for path in (service.config, service.config.parent):
+                path.chmod(0o755)
+            self.assertIn(f"port {port} is in use; a ninedotd is running, which may be what has it: root sees whether it is",
+                          self.checked(service, user="nobody"))
+
+
+class StandardOutputThatIsFull(unittest.TestCase):
+    def test_fails_every_command_in_one_line(self):
+        port = free_port()
+        head = '[modbus]\nallow_writes = true\n[pan_tilt]\ndriver = "simulated"\n'
+        with Service(config_text(port=port, extra=head)) as service, Client(port=port) as client, \
+                tempfile.TemporaryDirectory(prefix="ninedot-test-") as folder:
+            client.wait_for(lambda registers: registers[4] & VALID)
+            at = ("--port", str(port))
+            commands = [("--help",), ("--version",), ("registers",), ("registers", "--format", "csv"),
+                        ("registers", "--format", "json"), ("replay", APPROACH), ("cameras",),
+                        ("record", "--config", service.config, "--out", f"{folder}/recording", "--frames", "2"),
+                        ("pattern", "--out", f"{folder}/landmark.svg"), ("check", "--config", service.config),
+                        ("status", *at), ("status", "--json", *at), ("status", "--watch", *at),
+                        ("status", "--watch", "--json", *at), ("aim", "--follow", *at), ("aim", "--pan-deg", "5", *at)]
+            known = re.findall(r"^  (\w+) ", run("ninedot", "--help").stdout.split("Subcommands:")[1], re.M)
+            self.assertGreater(len(known), 5)
+            self.assertEqual(set(known), {command[0] for command in commands} - {"--help", "--version"})
+            for command in commands:
+                with self.subTest(command), open("/dev/full", "w") as full:
+                    result = subprocess.run([BIN / "ninedot", *command], stdin=subprocess.DEVNULL, stdout=full,
+                                            stderr=subprocess.PIPE, text=True, timeout=PATIENCE_S)
+                    self.assertEqual(result.returncode, 1, result.stderr)
+                    self.assertRegex(result.stderr, r"\Aninedot: .*standard output.*\n\Z")
+
+
+class Watching(unittest.TestCase):
+    def test_outlives_a_restart_of_the_service_and_says_once_that_it_was_lost(self):
+        for options in ((), ("--json",)):
+            port = free_port()
+            with tempfile.TemporaryDirectory(prefix="ninedot-test-") as folder:
+                out, errors = pathlib.Path(folder) / "out", pathlib.Path(folder) / "errors"
+
+                def wait(condition):
+                    deadline = time.monotonic() + PATIENCE_S
+                    while not condition():
+                        self.assertIsNone(watch.poll(), errors.read_text())
+                        self.assertLess(time.monotonic(), deadline, out.read_text() + errors.read_text())
+                        time.sleep(0.05)
+
+                with out.open("w") as stdout, errors.open("w") as stderr:
+                    with Service(config_text(port=port)) as service:
+                        service.wait_for_log("found at")
+                        watch = subprocess.Popen([BIN / "ninedot", "status", "--watch", "--port", str(port), *options],
+                                                 stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr)
+                        wait(lambda: out.read_text().count("\n") >= 1)
+                        service.end()
+                    wait(lambda: "lost" in errors.read_text())
+                    time.sleep(2.5)
+                    lines = out.read_text().count("\n")
+                    with Service(config_text(port=port)):
+                        wait(lambda: out.read_text().count("\n") >= lines + 2)
+                        watch.send_signal(signal.SIGINT)
+                        self.assertEqual(watch.wait(PATIENCE_S), 0)
+                self.assertRegex(errors.read_text(), rf"\Aninedot: 127.0.0.1 port {port}: lost the service.*\n\Z")
 
 
 class LogOfTheModbusServers(unittest.TestCase):
@@ -500,6 +586,14 @@ class RefusingToStart(unittest.TestCase):
             result = run("ninedotd", *arguments)
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+
+    def test_an_angle_that_is_no_number(self):
+        for arguments in (("--pan-deg", "nan"), ("--tilt-deg", "nan"), ("--pan-deg", "inf"), ("--tilt-deg=-inf",),
+                          ("--follow", "--wait-s", "nan")):
+            result = run("ninedot", "aim", *arguments)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+            self.assertIn(arguments[-1].split("=")[-1], result.stderr)
 
     def test_status_where_nothing_listens(self):
         result = run("ninedot", "status", "--port", str(free_port()))

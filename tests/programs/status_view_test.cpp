@@ -76,6 +76,15 @@ TEST(StatusTable, SaysWhyThereIsNoPoseAndWhatIsNotKnown) {
   EXPECT_NE(table.find("board ? degC"), std::string::npos) << table;
 }
 
+TEST(StatusLine, CountsOneClientAsOne) {
+  MetricValues metrics = test::known_metrics();
+  for (const MetricId id : {MetricId::kConnectedClients, MetricId::kBusErrors, MetricId::kRequests}) metrics[id] = 1;
+  const RegisterBlock registers = registers_of(test::known_report(kNow), metrics);
+  EXPECT_TRUE(status_line(make_reader(registers)).ends_with(", 1 client")) << status_line(make_reader(registers));
+  const std::string table = status_table(make_reader(registers));
+  EXPECT_NE(table.find("1 connected, 1 bus error, 4 exceptions answered, 1 request,"), std::string::npos) << table;
+}
+
 TEST(StatusLine, IsOneLineWithoutEscapeCodes) {
   const RegisterBlock registers = registers_of(test::known_report(kNow));
   const std::string line = status_line(make_reader(registers));

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <string>
 #include <vector>
 
+#include "base/startup_error.h"
 #include "drivers/servo/visca_zoom_table.h"
 
 namespace ninedot {
@@ -207,7 +209,15 @@ TEST(ViscaZoomTable, IsExactAtItsPointsAndStraightBetween) {
 }
 
 TEST(ViscaZoomTable, SaysWhatIsWrongWithATable) {
-  const auto problem = [](const std::vector<ZoomPoint>& points) { return ViscaZoomTable::problem_of(points); };
+  const auto problem = [](const std::vector<ZoomPoint>& points) -> std::string {
+    try {
+      const ViscaZoomTable table(points);
+      return "";
+    } catch (const StartupError& error) {
+      EXPECT_EQ(error.status, ExitStatus::kWrongUsage);
+      return error.what();
+    }
+  };
   EXPECT_EQ(problem({{0, 5.4}, {1023, 64.8}}), "");
   EXPECT_EQ(problem({{0, 5.4}}), "a zoom table needs 2 to 32 points, not 1");
   EXPECT_EQ(problem({{0, 5.4}, {0, 6}}), "the zoom positions must rise strictly: number 2 does not");
