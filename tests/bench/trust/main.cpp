@@ -8,7 +8,7 @@
 #include <string_view>
 #include <thread>
 
-#include "tests/bench/trust/near_misses.h"
+#include "tests/bench/trust/drawn.h"
 #include "tests/bench/trust/photographs.h"
 #include "tests/bench/trust/run.h"
 
@@ -73,13 +73,6 @@ bool parse(const std::vector<std::string_view>& arguments, Options& options) {
   return true;
 }
 
-// Every kind draws other pictures, whichever kinds there are beside it.
-std::uint64_t strip_seed(std::uint64_t seed, std::string_view kind, int index) {
-  std::uint64_t mixed = seed;
-  for (const char c : kind) mixed = test::random_bits(mixed, static_cast<unsigned char>(c));
-  return test::random_bits(mixed, static_cast<std::uint64_t>(index));
-}
-
 bool is_wanted(const Kind& kind, const Options& options) {
   return kind.name.find(options.only) != std::string::npos || kind.group.find(options.only) != std::string::npos;
 }
@@ -98,20 +91,6 @@ void add_photographs(const Options& options, std::vector<Kind>& kinds, std::vect
     fmt::print(stderr, "trust: no photographs in {}: tests/bench/trust/photographs.sh gathers them\n",
                options.photographs.string());
   jobs.insert(jobs.end(), photographs.begin(), photographs.end());
-}
-
-void add_near_misses(const Options& options, std::vector<Kind>& kinds, std::vector<Job>& jobs) {
-  for (const NearMiss& miss : near_misses()) {
-    const Kind kind{"Near misses", miss.name};
-    if (!is_wanted(kind, options)) continue;
-    kinds.push_back(kind);
-    for (int frame = 0; frame < options.frames; ++frame)
-      jobs.emplace_back([miss, frame, seed = options.seed](const Taker& take) {
-        Strip strip{miss.name, fmt::format("seed {} picture {}", seed, frame), {}};
-        strip.shots.push_back(draw_near_miss(miss, strip_seed(seed, miss.name, frame)));
-        take(std::move(strip));
-      });
-  }
 }
 
 std::string command_of(const Options& options) {
@@ -137,7 +116,10 @@ int run(const Options& options) {
   std::vector<Kind> kinds;
   std::vector<Job> jobs;
   add_photographs(options, kinds, jobs);
-  add_near_misses(options, kinds, jobs);
+  const DrawnJobs drawn =
+      drawn_jobs([&](const Kind& kind) { return is_wanted(kind, options); }, options.frames, options.seed);
+  kinds.insert(kinds.end(), drawn.kinds.begin(), drawn.kinds.end());
+  jobs.insert(jobs.end(), drawn.jobs.begin(), drawn.jobs.end());
 
   RunOptions how{static_cast<unsigned>(options.threads), nullptr, options.save, options.save_all,
                  isatty(STDERR_FILENO) != 0};
