@@ -23,9 +23,12 @@ constexpr double kFarthest_m = 60;     // beyond is the horizon
 // Rays of the picture's pixels and of a margin around it, one row and column more for their derivatives.
 class RayGrid {
  public:
-  RayGrid(const Lens& lens, const CameraPose& pose, int margin_px)
-      : width_(lens.width_px + 2 * (margin_px + 1)),
-        centre_m_(pose.position_m[0], pose.position_m[1], pose.position_m[2]) {
+  RayGrid(const Scene& scene, int margin_px)
+      : relief_(scene.relief),
+        width_(scene.lens.width_px + 2 * (margin_px + 1)),
+        centre_m_(scene.camera.position_m[0], scene.camera.position_m[1], scene.camera.position_m[2]) {
+    const Lens& lens = scene.lens;
+    const CameraPose& pose = scene.camera;
     const Eigen::Matrix3d R = rotation_of(pose);
     const int height = lens.height_px + 2 * (margin_px + 1);
     rays_.reserve(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height));
@@ -46,10 +49,17 @@ class RayGrid {
                           per_v = (below.direction - above.direction) / 2;
     const Eigen::Vector3d d = middle.direction + du_px * per_u + dv_px * per_v;
     if (d.y() >= -1e-9) return false;
-    const double reach = -centre_m_.y() / d.y();
+    double reach = -centre_m_.y() / d.y();
     if (reach * d.norm() > kFarthest_m) return false;
     const double slope_x = d.x() / d.y(), slope_z = d.z() / d.y();
     spot.at_m = {centre_m_.x() + reach * d.x(), centre_m_.z() + reach * d.z()};
+    if (!relief_.waves.empty()) {
+      // Where the ray meets the relief instead: a fixed point, each step a hundredth of the one before.
+      for (int i = 0; i < 4; ++i) {
+        reach = (relief_.height_m(spot.at_m.x(), spot.at_m.y()) - centre_m_.y()) / d.y();
+        spot.at_m = {centre_m_.x() + reach * d.x(), centre_m_.z() + reach * d.z()};
+      }
+    }
     spot.per_px << reach * (per_u.x() - slope_x * per_u.y()), reach * (per_v.x() - slope_x * per_v.y()),
         reach * (per_u.z() - slope_z * per_u.y()), reach * (per_v.z() - slope_z * per_v.y());
     return true;
@@ -59,6 +69,7 @@ class RayGrid {
   const Ray& at(int x, int y) const {
     return rays_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
   }
+  const Relief& relief_;
   int width_;
   Eigen::Vector3d centre_m_;
   std::vector<Ray> rays_;
@@ -158,7 +169,7 @@ Exposure expose(const Scene& scene) {
   Wall wall(scene);
   const Spread spread(scene.sensor.point_spread_px);
   const int margin = spread.reach();
-  const RayGrid rays(scene.lens, scene.camera, margin);
+  const RayGrid rays(scene, margin);
   const int width = scene.lens.width_px + 2 * margin, height = scene.lens.height_px + 2 * margin;
   Film film(scene.lens.width_px, scene.lens.height_px, spread);
   std::vector<double> flat(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));

@@ -130,6 +130,23 @@ struct Sensor {
 /// noise.
 void set_noise(Sensor& sensor, double sigma_at_grey128_lsb);
 
+/// height sin(2 pi d / length + phase), d the distance along the direction.
+struct Wave {
+  double height_m = 0;
+  double direction_rad = 0;  ///< in the wall: 0 = X0, pi/2 = Z0
+  double length_m = 0.1;
+  double phase_rad = 0;
+};
+
+/// How far the wall, and all that hangs on it, stands out from the plane Y0 = 0: a sheet that is not flat. What is
+/// painted keeps its (X0, Z0), so slopes must be small.
+struct Relief {
+  std::vector<Wave> waves;  ///< none: flat, whatever the plane below
+  double offset_m = 0;      ///< added, as are these
+  double slope_x = 0, slope_z = 0;
+  double height_m(double x_m, double z_m) const;
+};
+
 struct Scene {
   Lens lens;
   CameraPose camera;
@@ -139,6 +156,7 @@ struct Scene {
   Board board;
   Haze haze;
   Sensor sensor;
+  Relief relief;
 };
 
 /// Linear light per pixel, point spread included, noise not yet.

@@ -80,6 +80,15 @@ Sheet polka_dots(int count, double extent_m, double min_radius_m, double max_rad
   return sheet;
 }
 
+double Relief::height_m(double x_m, double z_m) const {
+  double sum_m = offset_m + slope_x * x_m + slope_z * z_m;
+  for (const Wave& wave : waves) {
+    const double along_m = std::cos(wave.direction_rad) * x_m + std::sin(wave.direction_rad) * z_m;
+    sum_m += wave.height_m * std::sin(2 * std::numbers::pi * along_m / wave.length_m + wave.phase_rad);
+  }
+  return sum_m;
+}
+
 double board_offset_m(const Board& board, const Sheet& sheet) {
   EXPECTS(board.hidden_fraction >= 0 && board.hidden_fraction <= 1);
   const double c = std::cos(board.direction_rad), s = std::sin(board.direction_rad);

@@ -135,6 +135,22 @@ TEST(Renderer, BoardHidesTheFractionAskedFor) {
     }
 }
 
+TEST(Renderer, AWallThatStandsOutEvenlyIsOneThatIsNearer) {
+  Scene near = single_dot({.distance_m = 0.8, .tilt_rad = 40 * kDegree}, Disc{0.03, 0.02, 0.02, 0.04});
+  Scene raised = near;
+  near.camera.position_m[1] -= 0.01;
+  raised.relief.waves = {Wave{}};
+  raised.relief.offset_m = 0.01;
+  const Exposure expected = expose(near), seen = expose(raised);
+  for (std::size_t i = 0; i < seen.light.size(); ++i) ASSERT_NEAR(seen.light[i], expected.light[i], 1e-9);
+}
+
+TEST(Renderer, AWaveIsAsHighAsItSays) {
+  const Relief relief{{Wave{0.002, 90 * kDegree, 0.4, 0}}, 0.001, 0.1, 0};
+  EXPECT_NEAR(relief.height_m(0.5, 0.1), 0.002 + 0.001 + 0.05, 1e-12);
+  EXPECT_NEAR(relief.height_m(0, 0.3), -0.002 + 0.001, 1e-12);
+}
+
 TEST(Renderer, PointSpreadMovesLightButLosesNone) {
   Scene scene = single_dot({1, 0.5, 0, 0, 0, 0}, {0, 0, 0.0254});
   const auto dark = [&](double point_spread_px) {

@@ -8,7 +8,8 @@
 #include <string_view>
 #include <thread>
 
-#include "tests/bench/trust/near_misses.h"
+#include "tests/bench/trust/csv.h"
+#include "tests/bench/trust/drawn.h"
 #include "tests/bench/trust/photographs.h"
 #include "tests/bench/trust/run.h"
 
@@ -27,6 +28,7 @@ constexpr const char* kUsage =
     "--frames\n"
     "  --out FILE.md        the page (standard output)\n"
     "  --csv FILE           a line per picture\n"
+    "  --read FILE          another run's --csv instead of a run, so that several make one page; may be given again\n"
     "  --save FOLDER        the pictures that are wrong and valid, as PNG\n"
     "  --save-all FOLDER    all of them\n"
     "Exit status: 0 all limits kept, 1 one is passed or a file can't be written, 2 wrong usage.\n";
@@ -38,6 +40,7 @@ struct Options {
   std::string half = "both";
   std::filesystem::path photographs = "build/photographs";
   std::filesystem::path out, csv, save;
+  std::vector<std::filesystem::path> read;
   bool save_all = false;
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 };
@@ -62,6 +65,8 @@ bool parse(const std::vector<std::string_view>& arguments, Options& options) {
       options.out = value;
     } else if (name == "--csv") {
       options.csv = value;
+    } else if (name == "--read") {
+      options.read.emplace_back(value);
     } else if (name == "--save" || name == "--save-all") {
       options.save = value, options.save_all = name == "--save-all";
     } else if (name == "--threads" && number > 0) {
@@ -71,13 +76,6 @@ bool parse(const std::vector<std::string_view>& arguments, Options& options) {
     }
   }
   return true;
-}
-
-// Every kind draws other pictures, whichever kinds there are beside it.
-std::uint64_t strip_seed(std::uint64_t seed, std::string_view kind, int index) {
-  std::uint64_t mixed = seed;
-  for (const char c : kind) mixed = test::random_bits(mixed, static_cast<unsigned char>(c));
-  return test::random_bits(mixed, static_cast<std::uint64_t>(index));
 }
 
 bool is_wanted(const Kind& kind, const Options& options) {
@@ -93,30 +91,20 @@ void add_photographs(const Options& options, std::vector<Kind>& kinds, std::vect
   }
   if (!wanted) return;
   const Half half = options.half == "tune" ? Half::kTune : options.half == "held" ? Half::kHeld : Half::kBoth;
-  const std::vector<Job> photographs = photograph_jobs(options.photographs, half, 0);
-  if (photographs.empty())
+  const std::vector<Job> photographs = photograph_jobs(options.photographs, half);
+  if (photographs.empty() && options.read.empty())
     fmt::print(stderr, "trust: no photographs in {}: tests/bench/trust/photographs.sh gathers them\n",
                options.photographs.string());
   jobs.insert(jobs.end(), photographs.begin(), photographs.end());
 }
 
-void add_near_misses(const Options& options, std::vector<Kind>& kinds, std::vector<Job>& jobs) {
-  for (const NearMiss& miss : near_misses()) {
-    const Kind kind{"Near misses", miss.name};
-    if (!is_wanted(kind, options)) continue;
-    kinds.push_back(kind);
-    for (int frame = 0; frame < options.frames; ++frame)
-      jobs.emplace_back([miss, frame, seed = options.seed](const Taker& take) {
-        Strip strip{miss.name, fmt::format("seed {} picture {}", seed, frame), {}};
-        strip.shots.push_back(draw_near_miss(miss, strip_seed(seed, miss.name, frame)));
-        take(std::move(strip));
-      });
-  }
-}
-
+// That makes the page again: only what changes it.
 std::string command_of(const Options& options) {
-  std::string command =
-      fmt::format("trust --seed {} --frames {} --half {}", options.seed, options.frames, options.half);
+  const Options usual;
+  std::string command = "./dev trust";
+  if (options.seed != usual.seed) command += fmt::format(" --seed {}", options.seed);
+  if (options.frames != usual.frames) command += fmt::format(" --frames {}", options.frames);
+  if (options.half != usual.half) command += fmt::format(" --half {}", options.half);
   if (!options.only.empty()) command += fmt::format(" --only '{}'", options.only);
   return command;
 }
@@ -133,26 +121,34 @@ bool write_page(const Options& options, const std::string& page) {
   return static_cast<bool>(file);
 }
 
-int run(const Options& options) {
-  std::vector<Kind> kinds;
-  std::vector<Job> jobs;
-  add_photographs(options, kinds, jobs);
-  add_near_misses(options, kinds, jobs);
-
+// \return  false: said on standard error
+bool draw_and_judge(const Options& options, const std::vector<Job>& jobs, Tallies& tallies) {
   RunOptions how{static_cast<unsigned>(options.threads), nullptr, options.save, options.save_all,
                  isatty(STDERR_FILENO) != 0};
   if (!options.csv.empty()) {
     how.csv = std::fopen(options.csv.c_str(), "w");
     if (how.csv == nullptr) {
       fmt::print(stderr, "trust: cannot write {}: choose another place with --csv\n", options.csv.string());
-      return 1;
+      return false;
     }
     fmt::print(how.csv, "{}", kCsvHeader);
   }
-  const TrustRun about{usual_work_ms(), command_of(options)};
-  const Tallies tallies = run_jobs(jobs, how);
-  if (how.csv != nullptr && std::fclose(how.csv) != 0) return 1;
-  if (!write_page(options, trust_page(kinds, tallies, about))) return 1;
+  tallies = run_jobs(jobs, how);
+  if (how.csv == nullptr || std::fclose(how.csv) == 0) return true;
+  fmt::print(stderr, "trust: {} is incomplete: is the disk full?\n", options.csv.string());
+  return false;
+}
+
+bool read_runs(const Options& options, Tallies& tallies) {
+  for (const std::filesystem::path& file : options.read)
+    if (!add_csv(file, tallies)) {
+      fmt::print(stderr, "trust: {} is not what --csv writes\n", file.string());
+      return false;
+    }
+  return true;
+}
+
+int count_over_limit(const std::vector<Kind>& kinds, const Tallies& tallies) {
   int over = 0;
   for (const Kind& kind : kinds) {
     const auto tally = tallies.find(kind.name);
@@ -161,7 +157,23 @@ int run(const Options& options) {
                tally->second.pictures);
     ++over;
   }
-  return over > 0 ? 1 : 0;
+  return over;
+}
+
+int run(const Options& options) {
+  std::vector<Kind> kinds;
+  std::vector<Job> jobs;
+  add_photographs(options, kinds, jobs);
+  const DrawnJobs drawn =
+      drawn_jobs([&](const Kind& kind) { return is_wanted(kind, options); }, options.frames, options.seed);
+  kinds.insert(kinds.end(), drawn.kinds.begin(), drawn.kinds.end());
+  jobs.insert(jobs.end(), drawn.jobs.begin(), drawn.jobs.end());
+
+  const TrustRun about{usual_work_ms(), command_of(options)};
+  Tallies tallies;
+  if (!(options.read.empty() ? draw_and_judge(options, jobs, tallies) : read_runs(options, tallies))) return 1;
+  if (!write_page(options, trust_page(kinds, tallies, about))) return 1;
+  return count_over_limit(kinds, tallies) > 0 ? 1 : 0;
 }
 
 }  // namespace
@@ -169,6 +181,10 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   ninedot::bench::Options options;
+  if (argc == 2 && std::string_view(argv[1]) == "--help") {
+    fmt::print("{}", ninedot::bench::kUsage);
+    return 0;
+  }
   if (ninedot::bench::parse({argv + 1, argv + argc}, options)) return ninedot::bench::run(options);
   fmt::print(stderr, "{}", ninedot::bench::kUsage);
   return 2;

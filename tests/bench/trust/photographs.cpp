@@ -127,7 +127,7 @@ std::vector<Kind> photograph_kinds() {
   return kinds;
 }
 
-std::vector<Job> photograph_jobs(const std::filesystem::path& folder, Half half, std::size_t most) {
+std::vector<Job> photograph_jobs(const std::filesystem::path& folder, Half half) {
   std::vector<std::filesystem::path> files;
   if (std::filesystem::is_directory(folder))
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -136,10 +136,8 @@ std::vector<Job> photograph_jobs(const std::filesystem::path& folder, Half half,
       files.push_back(entry.path());
     }
   std::sort(files.begin(), files.end());
-  const std::size_t count = most > 0 ? std::min(most, files.size()) : files.size();
   std::vector<Job> jobs;
-  for (std::size_t i = 0; i < count; ++i)
-    jobs.emplace_back([path = files[i * files.size() / count]](const Taker& take) { cut_all(path, take); });
+  for (const auto& path : files) jobs.emplace_back([path](const Taker& take) { cut_all(path, take); });
   return jobs;
 }
 

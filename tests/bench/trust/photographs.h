@@ -19,7 +19,6 @@ std::vector<Kind> photograph_kinds();
 /// One job per photograph: its windows of the camera's size at full, half and quarter scale (areas averaged), 60 at
 /// most, flat ones left out. What is smaller than a window lies on white.
 /// \param folder  JPEG, PNG and PGM files, see photographs.sh
-/// \param most  photographs, evenly out of all; 0: all
-std::vector<Job> photograph_jobs(const std::filesystem::path& folder, Half half, std::size_t most);
+std::vector<Job> photograph_jobs(const std::filesystem::path& folder, Half half);
 
 }  // namespace ninedot::bench

@@ -15,17 +15,20 @@ smallest=8000
 # gather PACKAGE: "NAME TAB FILE" of its pictures. Of a wallpaper in several sizes (1920x1080.jpg) the largest one alone.
 gather() {
   # Manuals repeat their pictures in every language.
-  dpkg -L "$1" | grep -iE '\.(jpe?g|png|webp|jxl|avif|svg|tiff?)$' | grep -v /doc/HTML/ | while read -r file; do
-    [[ -f $file && ! -L $file ]] || continue
-    bytes=$(stat -c %s "$file")
-    ((bytes >= smallest)) || continue
-    base=${file##*/} name=${file#/usr/share/}
-    if [[ $base =~ ^([0-9]+)x([0-9]+)\. ]]; then
-      printf '%s\t%s\t%s\t%s\n' "${name%/*}" "$((BASH_REMATCH[1] * BASH_REMATCH[2]))" "$1" "$file"
-    else
-      printf '%s\t0\t%s\t%s\n' "${name%.*}" "$1" "$file"
-    fi
-  done | sort -t $'\t' -k 1,1 -k 2,2nr | awk -F '\t' '!seen[$1]++ { gsub(/[^A-Za-z0-9.-]/, "_", $1); print $3 "--" $1 "\t" $4 }'
+  dpkg -L "$1" | { grep -iE '\.(jpe?g|png|webp|jxl|avif|svg|tiff?)$' || true; } | { grep -v /doc/HTML/ || true; } |
+    xargs -r -d '\n' stat -c '%F:%s:%n' |
+    awk -F : -v package="$1" -v smallest="$smallest" '$1 == "regular file" && $2 >= smallest {
+      file = substr($0, length($1 $2) + 3)
+      name = file; sub("^/usr/share/", "", name); sub("\\.[^.]*$", "", name)
+      area = 0
+      if (match(name, "/[0-9]+x[0-9]+$")) {
+        split(substr(name, RSTART + 1), side, "x"); area = side[1] * side[2]
+        name = substr(name, 1, RSTART - 1)
+      }
+      if (name in largest && largest[name] >= area) next
+      largest[name] = area; files[name] = file
+    }
+    END { for (name in files) { safe = name; gsub(/[^A-Za-z0-9.-]/, "_", safe); print package "--" safe "\t" files[name] } }' | sort
 }
 
 # take NAME FILE
@@ -49,5 +52,5 @@ export -f take
 
 awk '$1 == "trust" && $2 != "ffmpeg" { print $2 }' "$here/../../../toolchains/packages.txt" | while read -r package; do
   gather "$package"
-done | tr '\t' '\n' | xargs -d '\n' -n 2 -P "$(nproc)" bash -c 'take "$@"' take
+done | tr '\t' '\n' | xargs -d '\n' -n 40 -P "$(nproc)" bash -c 'while (($# > 0)); do take "$1" "$2"; shift 2; done' take
 echo "photographs: $(find "$folder" -mindepth 1 | wc -l) in $folder" >&2

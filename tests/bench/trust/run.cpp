@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "drivers/picture/picture_file.h"
+#include "tests/bench/trust/csv.h"
 
 namespace ninedot::bench {
 namespace {
@@ -34,10 +35,7 @@ class Collector {
       const Verdict& v = verdicts[frame];
       tallies_[job][strip.kind].add(v);
       pictures_ += 1, wrong_ += v.wrong ? 1 : 0;
-      if (options_.csv != nullptr)
-        lines_[job] += fmt::format("\"{}\",\"{}\",{},{:d},{:d},{:d},{:d},{:d},{:.4g},{:.4g},{:.4g},{:.3f}\n",
-                                   strip.kind, strip.name, frame, v.shown, v.found, v.valid, v.wrong, v.beyond, v.nees,
-                                   1e3 * v.error_m, v.error_over_bound, v.work_ms);
+      if (options_.csv != nullptr) lines_[job] += csv_line(strip, frame, v);
       if ((v.wrong || options_.save_all) && !options_.save.empty()) save(strip, frame);
     }
   }

@@ -9,10 +9,10 @@ namespace ninedot::bench {
 
 struct RunOptions {
   unsigned threads = 1;
-  std::FILE* csv = nullptr;    ///< a line per picture
-  std::filesystem::path save;  ///< PNG of every picture that is wrong and valid; empty: none
-  bool save_all = false;       ///< of every picture
-  bool progress = false;       ///< on standard error
+  std::FILE* csv = nullptr;      ///< a line per picture
+  std::filesystem::path save{};  ///< PNG of every picture that is wrong and valid; empty: none
+  bool save_all = false;         ///< of every picture
+  bool progress = false;         ///< on standard error
 };
 
 /// The tallies do not depend on the number of threads.
@@ -20,9 +20,5 @@ Tallies run_jobs(const std::vector<Job>& jobs, const RunOptions& options);
 
 /// Median work of a landmark at 1.5 m that is searched everywhere [ms of processor's time].
 double usual_work_ms();
-
-/// First line of the CSV file.
-inline constexpr const char* kCsvHeader =
-    "kind,name,frame,shown,found,valid,wrong,beyond,nees,error_mm,error_over_bound,work_ms\n";
 
 }  // namespace ninedot::bench

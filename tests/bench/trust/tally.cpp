@@ -40,7 +40,7 @@ std::string table_of(const std::string& group, const std::vector<Kind>& kinds, c
 }
 
 std::string limits_table(const std::vector<Kind>& kinds, const Tallies& tallies) {
-  std::string text = "\n## Limits\n\n| group | wrong and valid, at most | rows above it |\n|---|---|---|\n";
+  std::string text = "\n## Limits\n\n| group | wrong and valid, at most | kinds above it |\n|---|---|---|\n";
   for (const Limit& limit : trust_limits()) {
     int rows = 0, above = 0;
     for (const Kind& kind : kinds) {
@@ -49,7 +49,7 @@ std::string limits_table(const std::vector<Kind>& kinds, const Tallies& tallies)
       ++rows, above += is_over_limit(kind, tally->second) ? 1 : 0;
     }
     const std::string most =
-        limit.wrong_share > 0 ? fmt::format("{:g} % of a row's pictures", 100 * limit.wrong_share) : "none";
+        limit.wrong_share > 0 ? fmt::format("{:g} % of a kind's pictures", 100 * limit.wrong_share) : "none";
     text +=
         fmt::format("| {} | {} | {} |\n", limit.group, most, or_dash(rows > 0, fmt::format("{} of {}", above, rows)));
   }
@@ -58,17 +58,23 @@ std::string limits_table(const std::vector<Kind>& kinds, const Tallies& tallies)
 
 constexpr const char* kExplanation = R"(# Is what it is sure of true?
 
-Written by `{}`; nothing on this page is edited by hand. Every row is one kind of
-picture, 640 x 480, through `Localiser` with its defaults, which has seen nothing before; a track is ten frames in a row.
+Written by `{}`; nothing on this page is edited by hand. It exits with 1 while a limit is passed.
 
-- *found*: nine dots that fit, whatever came of them. *valid*: a pose that is not called ambiguous, all that a client sees
-  who looks at `valid` alone.
+Every row is one kind of picture, 640 x 480, through `Localiser` with its defaults. It has seen nothing before; a *track* is ten
+frames of a slow motion in a row. Photographs are windows of those in the Debian packages of the set `trust` in
+`toolchains/packages.txt`; `--half tune` and `--half held` are their halves, one to tune by and one to check with. Near misses are
+drawn by a small painter, views and camera effects by the tests' renderer, whose truth is exact; a warped sheet is where the plane
+lies that fits its nine dots best.
+
+- *found*: nine dots that fit, whatever came of them. *valid*: a pose that is not called ambiguous, which is all that a client
+  sees who looks at `valid` alone.
 - *wrong and valid*: no landmark is in the picture, or the pose is off by more than six sigma and by more than 1 % of the
   distance (position) or 0.01 rad (rotation): the mirror image, a wrong numbering, something else that was taken for the landmark.
 - *beyond 6 sigma*: valid, and position or rotation is off by more than six of the sigma that was claimed, however little that is.
 - *error / sigma*: root mean square over the valid poses that are not wrong, e^T C^-1 e over six degrees of freedom, divided
   by six: 1 is honest, more is overconfident.
-- *error / bound*: median of the position's error over the Cramer-Rao bound of its own frame, where that is known.
+- *error / bound*: median of the position's error over the Cramer-Rao bound of its own frame, where that is known; of a track its
+  first frame.
 - *slowest*: the processor's time of the slowest picture, in medians of the usual frame (landmark at 1.5 m, searched everywhere).
   Differs from run to run.
 

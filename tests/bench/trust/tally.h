@@ -27,7 +27,7 @@ struct Tally {
 };
 using Tallies = std::map<std::string, Tally>;  ///< by Kind::name
 
-/// What a row may have at most.
+/// What a kind may have at most.
 struct Limit {
   std::string group;   ///< Kind::group
   double wrong_share;  ///< of its pictures
