@@ -106,6 +106,7 @@ std::string command_of(const Options& options) {
   if (options.frames != usual.frames) command += fmt::format(" --frames {}", options.frames);
   if (options.half != usual.half) command += fmt::format(" --half {}", options.half);
   if (!options.only.empty()) command += fmt::format(" --only '{}'", options.only);
+  for (const auto& file : options.read) command += fmt::format(" --read {}", file.filename().string());
   return command;
 }
 
