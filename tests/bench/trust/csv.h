@@ -7,7 +7,7 @@
 namespace ninedot::bench {
 
 inline constexpr const char* kCsvHeader =
-    "kind,name,frame,shown,found,valid,wrong,beyond,nees,error_mm,error_over_bound,work_ms\n";
+    "kind,name,frame,shown,found,valid,wrong,beyond,nees,error_mm,turn_deg,error_over_bound,work_ms\n";
 
 std::string csv_line(const Strip& strip, std::size_t frame, const Verdict& verdict);
 

@@ -53,6 +53,7 @@ class Drawn {
             test::Random random(own);
             MovingView view = usual_view(random);
             kind.set(view, random);
+            if (i % 4 != 0) view.has_bound = false;  // it takes twice the time of all the rest
             take({name, strip_name(seed, i), shoot(view, mode.frames, own)});
           });
       }

@@ -41,7 +41,7 @@ void compare(const ClaimedPose& claimed, const Shot& shot, Verdict& verdict) {
   const Eigen::Matrix<double, 6, 6> covariance(claimed.covariance.data());  // symmetric
   Eigen::Matrix<double, 6, 1> error;
   error << truth_m - Eigen::Vector3d(claimed.position_m.data()), turn.angle() * turn.axis();
-  verdict.error_m = error.head<3>().norm();
+  verdict.error_m = error.head<3>().norm(), verdict.turn_rad = turn.angle();
   const double allowed_m = kSigmas * std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace()));
   const double allowed_rad = kSigmas * std::sqrt(std::max(0.0, covariance.bottomRightCorner<3, 3>().trace()));
   // Not-a-number is beyond and wrong.

@@ -16,6 +16,7 @@ struct Verdict {
   bool beyond = false;  ///< valid, shown, and further from the truth than kSigmas sigma in position or in rotation
   double nees = 0;      ///< of a valid one that is not wrong: e^T C^-1 e over six degrees of freedom
   double error_m = 0;   ///< of a valid pose: of the position
+  double turn_rad = 0;  ///< of a valid pose: of the rotation; multiples of 45 degrees are wrong numberings
   double error_over_bound = 0;  ///< of a valid one that is not wrong; 0: the bound is unknown
   double work_ms = 0;           ///< processor's time
 };
@@ -28,7 +29,7 @@ inline constexpr double kWrong = 0.01;
 /// One verdict per shot. Threads: independent of each other.
 std::vector<Verdict> judge(const Strip& strip);
 
-/// Holds one pose against the truth: fills `wrong`, `beyond`, `nees`, `error_m` and `error_over_bound`.
+/// Holds one pose against the truth: fills all of the verdict from `wrong` on but the work.
 struct ClaimedPose {
   std::array<double, 3> position_m{};
   std::array<double, 4> quaternion_wxyz{1, 0, 0, 0};

@@ -27,7 +27,7 @@ constexpr const char* kUsage =
     "  --photographs FOLDER made by tests/bench/trust/photographs.sh (build/photographs); all of them, whatever "
     "--frames\n"
     "  --out FILE.md        the page (standard output)\n"
-    "  --csv FILE           a line per picture\n"
+    "  --csv FILE           a line per picture; a turn_deg near a multiple of 45 is a wrong numbering\n"
     "  --read FILE          another run's --csv instead of a run, so that several make one page; may be given again\n"
     "  --save FOLDER        the pictures that are wrong and valid, as PNG\n"
     "  --save-all FOLDER    all of them\n"
@@ -106,6 +106,7 @@ std::string command_of(const Options& options) {
   if (options.frames != usual.frames) command += fmt::format(" --frames {}", options.frames);
   if (options.half != usual.half) command += fmt::format(" --half {}", options.half);
   if (!options.only.empty()) command += fmt::format(" --only '{}'", options.only);
+  for (const auto& file : options.read) command += fmt::format(" --read {}", file.filename().string());
   return command;
 }
 

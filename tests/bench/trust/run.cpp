@@ -25,7 +25,8 @@ std::string file_name_of(const Strip& strip, std::size_t frame) {
 // Takes what all threads find; sums and lines are kept per job, for the order in which jobs end is anybody's guess.
 class Collector {
  public:
-  Collector(std::size_t jobs, const RunOptions& options) : options_(options), tallies_(jobs), lines_(jobs) {
+  Collector(std::size_t jobs, const RunOptions& options)
+      : options_(options), tallies_(jobs), lines_(jobs), done_(jobs) {
     if (!options_.save.empty()) std::filesystem::create_directories(options_.save);
   }
 
@@ -40,19 +41,23 @@ class Collector {
     }
   }
 
-  void end_job(std::size_t jobs) {
-    const std::size_t done = ++done_;
-    if (!options_.progress) return;
+  void end_job(std::size_t job) {
     const std::scoped_lock lock(mutex_);
-    fmt::print(stderr, "\r{} of {} jobs, {} pictures, {} wrong and valid", done, jobs, pictures_.load(), wrong_.load());
+    done_[job] = true, ++count_done_;
+    // In order, and as early as that allows: a run that is stopped has left what it knew.
+    for (; next_line_ < done_.size() && done_[next_line_]; ++next_line_) {
+      if (options_.csv != nullptr) fmt::print(options_.csv, "{}", lines_[next_line_]);
+      lines_[next_line_].clear();
+    }
+    if (options_.progress)
+      fmt::print(stderr, "\r{} of {} jobs, {} pictures, {} wrong and valid", count_done_, done_.size(),
+                 pictures_.load(), wrong_.load());
   }
 
   Tallies result() const {
     Tallies all;
-    for (std::size_t job = 0; job < tallies_.size(); ++job) {
-      for (const auto& [kind, tally] : tallies_[job]) all[kind].add(tally);
-      if (options_.csv != nullptr) fmt::print(options_.csv, "{}", lines_[job]);
-    }
+    for (const Tallies& of_job : tallies_)
+      for (const auto& [kind, tally] : of_job) all[kind].add(tally);
     if (options_.progress) fmt::print(stderr, "\n");
     return all;
   }
@@ -66,8 +71,10 @@ class Collector {
   const RunOptions& options_;
   std::vector<Tallies> tallies_;
   std::vector<std::string> lines_;
-  std::atomic<std::size_t> done_{0}, pictures_{0}, wrong_{0};
-  std::mutex mutex_;
+  std::atomic<std::size_t> pictures_{0}, wrong_{0};
+  std::mutex mutex_;  // of what follows
+  std::vector<bool> done_;
+  std::size_t count_done_ = 0, next_line_ = 0;
 };
 
 }  // namespace
@@ -80,7 +87,7 @@ Tallies run_jobs(const std::vector<Job>& jobs, const RunOptions& options) {
     workers.emplace_back([&] {
       for (std::size_t job = next++; job < jobs.size(); job = next++) {
         jobs[job]([&](const Strip& strip) { collector.take(job, strip); });
-        collector.end_job(jobs.size());
+        collector.end_job(job);
       }
     });
   workers.clear();

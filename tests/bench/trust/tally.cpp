@@ -73,8 +73,8 @@ lies that fits its nine dots best.
 - *beyond 6 sigma*: valid, and position or rotation is off by more than six of the sigma that was claimed, however little that is.
 - *error / sigma*: root mean square over the valid poses that are not wrong, e^T C^-1 e over six degrees of freedom, divided
   by six: 1 is honest, more is overconfident.
-- *error / bound*: median of the position's error over the Cramer-Rao bound of its own frame, where that is known; of a track its
-  first frame.
+- *error / bound*: median of the position's error over the Cramer-Rao bound of its own frame, where that is known: in the
+  first frame of every fourth view.
 - *slowest*: the processor's time of the slowest picture, in medians of the usual frame (landmark at 1.5 m, searched everywhere).
   Differs from run to run.
 

@@ -56,6 +56,7 @@ TEST(Judge, ErrorsAreMeasuredInTheClaimedSigma) {
   EXPECT_FALSE(verdict.beyond);
   EXPECT_NEAR(verdict.nees, 4 + 1, 1e-6);
   EXPECT_NEAR(verdict.error_m, 0.002, 1e-12);
+  EXPECT_NEAR(verdict.turn_rad, 0.001, 1e-9);
   EXPECT_NEAR(verdict.error_over_bound, 4, 1e-9);
 }
 
@@ -99,11 +100,11 @@ TEST(Judge, ALandmarkElsewhereIsWrongAndValid) {
 
 TEST(Tally, CountsWhatTheVerdictsSay) {
   Tally tally;
-  tally.add({true, true, true, false, false, 6, 0.001, 2, 5});
-  tally.add({true, true, true, false, true, 18, 0.001, 3, 7});
-  tally.add({true, true, true, true, true, 0, 1, 0, 6});
-  tally.add({true, true, false, false, false, 0, 0, 0, 1});
-  tally.add({false, false, false, false, false, 0, 0, 0, 1});
+  tally.add({true, true, true, false, false, 6, 0.001, 0, 2, 5});
+  tally.add({true, true, true, false, true, 18, 0.001, 0, 3, 7});
+  tally.add({true, true, true, true, true, 0, 1, 0, 0, 6});
+  tally.add({true, true, false, false, false, 0, 0, 0, 0, 1});
+  tally.add({false, false, false, false, false, 0, 0, 0, 0, 1});
   Tally twice = tally;
   twice.add(tally);
   EXPECT_EQ(twice.pictures, 10);
@@ -142,7 +143,7 @@ TEST(Csv, ReadsBackWhatItWrote) {
   const Strip strip{"tilt, steep", "a \"strip\"", {}};
   {
     std::ofstream file(path);
-    file << kCsvHeader << csv_line(strip, 3, {true, true, true, true, false, 0, 0.25, 0, 5});
+    file << kCsvHeader << csv_line(strip, 3, {true, true, true, true, false, 0, 0.25, 0, 0, 5});
   }
   Tallies tallies;
   ASSERT_TRUE(add_csv(path, tallies));

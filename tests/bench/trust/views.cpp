@@ -214,7 +214,7 @@ std::vector<Shot> shoot(const MovingView& view, int frames, std::uint64_t seed) 
     shot.picture = test::read_out(exposure, scene.sensor, test::random_bits(seed, static_cast<std::uint64_t>(frame)));
     shot.truth = scene.camera;
     shot.at = frame * kFrameTime;
-    if (view.has_bound && frame == 0)  // it takes twice the time of all the rest
+    if (view.has_bound && frame == 0)
       if (const auto bound = cramer_rao_bound(scene)) shot.bound_m = bound->position_m;
     shots.push_back(std::move(shot));
   }
