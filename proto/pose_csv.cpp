@@ -17,12 +17,15 @@ constexpr double kMmPerM = 1000;
 constexpr int kLengthDigits = 6;
 constexpr int kQuaternionDigits = 9;
 
-constexpr std::string_view kHeader =
-    "frame,timestamp_ns,landmark_id,x_mm,y_mm,z_mm,qw,qx,qy,qz,psi_deg,phi_deg,theta_deg,distance_mm,"
-    "sigma_x_mm,sigma_y_mm,sigma_z_mm,sigma_rot_deg,ambiguity,rms_px,dots,occlusion_level,solver,process_us\n";
-constexpr std::string_view kHeaderWithoutTime =
-    "frame,timestamp_ns,landmark_id,x_mm,y_mm,z_mm,qw,qx,qy,qz,psi_deg,phi_deg,theta_deg,distance_mm,"
-    "sigma_x_mm,sigma_y_mm,sigma_z_mm,sigma_rot_deg,ambiguity,rms_px,dots,occlusion_level,solver\n";
+#define NINEDOT_CSV_POSE                                                                             \
+  "frame,timestamp_ns,landmark_id,x_mm,y_mm,z_mm,qw,qx,qy,qz,psi_deg,phi_deg,theta_deg,distance_mm," \
+  "sigma_x_mm,sigma_y_mm,sigma_z_mm,sigma_rot_deg,ambiguity,rms_px,dots,occlusion_level,solver"
+#define NINEDOT_CSV_VERDICT \
+  ",valid,reason,rival_odds,rival_x_mm,rival_y_mm,rival_z_mm,rival_qw,rival_qx,rival_qy,rival_qz\n"
+constexpr std::string_view kHeader = NINEDOT_CSV_POSE ",process_us" NINEDOT_CSV_VERDICT;
+constexpr std::string_view kHeaderWithoutTime = NINEDOT_CSV_POSE NINEDOT_CSV_VERDICT;
+#undef NINEDOT_CSV_POSE
+#undef NINEDOT_CSV_VERDICT
 
 /// Fixed-point text; what rounds to zero has no sign.
 void append(std::string& text, double value, int digits) {
@@ -38,7 +41,7 @@ std::string_view pose_csv_header(PoseCsvColumns columns) noexcept {
 }
 
 std::string format_pose_csv_row(const WireReport& report, PoseCsvColumns columns) {
-  EXPECTS(report.valid);
+  EXPECTS(report.has_pose);
   std::string row = fmt::format("{},{},{}", report.frame_number, to_ns(report.exposed_at), report.landmark_id);
   const auto add = [&row](double value, int digits) {
     row += ',';
@@ -55,6 +58,14 @@ std::string format_pose_csv_row(const WireReport& report, PoseCsvColumns columns
   add(report.rms_px, 6);
   row += fmt::format(",{},{},{}", report.dots_used, report.occlusion_level, report.ellipse_solver ? "ellipse" : "full");
   if (columns == PoseCsvColumns::kAll) add(report.process_us, 1);
+  row += fmt::format(",{:d},{}", report.valid, static_cast<unsigned>(report.reason));
+  add(report.rival_odds, 6);
+  if (report.rival_odds > 0) {
+    for (const double position_mm : report.rival_in_landmark.position_mm) add(position_mm, kLengthDigits);
+    for (const double q : report.rival_in_landmark.quaternion_wxyz) add(q, kQuaternionDigits);
+  } else {
+    row.append(7, ',');
+  }
   row += '\n';
   return row;
 }

@@ -15,12 +15,16 @@
 /// | distance_mm | mm | from the middle of P9 to the optical centre |
 /// | sigma_x_mm sigma_y_mm sigma_z_mm | mm | 1-sigma of x, y, z |
 /// | sigma_rot_deg | deg | 1-sigma of the rotation's angle: root of the sum of its three variances |
-/// | ambiguity | | 0 = the other planar solution is excluded, 1 = both fit alike |
+/// | ambiguity | | odds that another reading (mirror image, numbering) is the right one, 0..1 |
 /// | rms_px | px | residual |
 /// | dots | | dots used, of nine |
 /// | occlusion_level | | 0 nothing hidden, 1..3 as in the founding paper |
 /// | solver | | full, ellipse |
 /// | process_us | us | time that detection and pose took: the one column that differs between two runs |
+/// | valid | | 1, or 0: found, but not to be acted on; such a row counts as no answer |
+/// | reason | | why not, a number of base/reason.h (docs/registers.md); 0 where valid |
+/// | rival_odds | | odds of the second-likeliest reading; 0: there is none, and the columns after it are empty |
+/// | rival_x_mm rival_y_mm rival_z_mm rival_qw rival_qx rival_qy rival_qz | mm | its pose |
 ///
 /// The text depends on the report alone (no locale, no "-0"): equal reports give equal bytes.
 #include <string>
@@ -38,7 +42,7 @@ enum class PoseCsvColumns {
 /// First line, with its line feed.
 std::string_view pose_csv_header(PoseCsvColumns columns = PoseCsvColumns::kAll) noexcept;
 
-/// One row with its line feed. \param report  of a frame that shows a landmark (WireReport::valid; contract)
+/// One row with its line feed. \param report  of a frame that shows a landmark (WireReport::has_pose; contract)
 std::string format_pose_csv_row(const WireReport& report, PoseCsvColumns columns = PoseCsvColumns::kAll);
 
 /// "timestamp tx ty tz qx qy qz qw" with its line feed: s, m. Sturm et al., "A benchmark for the evaluation of RGB-D

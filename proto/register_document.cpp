@@ -77,8 +77,8 @@ Try it:
 ## How to use it
 
 1. Commission: register 0 is 0x9D09; 80-85 read as -1, 0x12345678 and 123456.0 when signs and word order are right.
-2. In each cycle read 0-39 (or 0-53) in one request. Use the pose only while status bit `valid` is set, `ambiguous` is
-   not, and `age` is below what your motion allows.
+2. In each cycle read 0-39 (or 0-53) in one request. Use the pose only while status bit `valid` is set and `age` is below
+   what your motion allows.
 3. If the block is read in several requests, compare 3 with 39, or hold it (104).
 4. `heartbeat` (2) stands still: the device is not processing frames, whatever else the registers say.
 

@@ -22,7 +22,8 @@ static_assert(map_is_well_formed());
 constexpr RegisterBit kStatusBitTable[] = {
     {status_bit::kValid, "valid", "the pose is of the newest frame, usable and not stale"},
     {status_bit::kFound, "found", "the newest frame shows a landmark"},
-    {status_bit::kAmbiguous, "ambiguous", "two poses fit almost equally well: do not use without another source"},
+    {status_bit::kAmbiguous, "ambiguous",
+     "the newest frame shows a landmark that can be read in two ways: never together with valid"},
     {status_bit::kStale, "stale", "the pose is older than the limit, or there has been none yet"},
     {status_bit::kCalibrated, "calibrated", "a calibration of the camera is loaded"},
     {status_bit::kServoLimit, "servo_limit", "the head stands at the end of its range (0 without a head)"},

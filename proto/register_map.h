@@ -61,7 +61,7 @@ inline constexpr auto kOwnRegisters = [] {
   { 31, "sigma_rotation_x",    kU16,       0.001,  "deg",  1,        kU16Max, kRead, "1-sigma of the rotation about the world's x"},
   { 32, "sigma_rotation_y",    kU16,       0.001,  "deg",  1,        kU16Max, kRead, "the same about y"},
   { 33, "sigma_rotation_z",    kU16,       0.001,  "deg",  1,        kU16Max, kRead, "the same about z"},
-  { 34, "ambiguity",           kU16,       0.001,  "",     0,        1000,    kRead, "0 one clear pose .. 1 two poses fit equally well"},
+  { 34, "ambiguity",           kU16,       0.001,  "",     0,        1000,    kRead, "odds that another reading (mirror image, numbering) is right; of the newest frame while status bit ambiguous is set"},
   { 35, "residual",            kU16,       0.001,  "px",   0,        kU16Max, kRead, "root mean square residual of the fit"},
   { 36, "dots_used",           kU16,       1,      "",     0,        kU16Max, kRead, "dots that the pose rests on, 0..9"},
   { 37, "pan",                 kI16,       0.01,   "deg",  -kI16Max, kI16Max, kRead, "of the pan/tilt head, positive to the left; 0 without one"},

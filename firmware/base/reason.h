@@ -19,6 +19,9 @@ enum class Reason : std::uint16_t {
   kStopped = 7,
   kStale = 8,  ///< set where a report is read, never by the frame loop
   kHeld = 9,   ///< set where a report is read
+  kAmbiguous = 10,
+  kUncertain = 11,
+  kPoorFit = 12,
 };
 
 struct ReasonWords {
@@ -40,6 +43,11 @@ inline constexpr auto kReasons = std::to_array<ReasonWords>({
     {Reason::kStopped, "the source is over", "the source is over"},
     {Reason::kStale, "the newest pose is too old: no frame has been processed since", "the pose is too old"},
     {Reason::kHeld, "this client holds a pose (register 104) that has become too old", "a held pose is too old"},
+    {Reason::kAmbiguous, "a landmark was seen, but two readings of it are too likely: mirror image or numbering",
+     "two readings of it are too likely"},
+    {Reason::kUncertain, "a landmark was seen, but its pose is too uncertain", "its pose is too uncertain"},
+    {Reason::kPoorFit, "something like a landmark was seen, but the picture does not fit one",
+     "the picture does not fit a landmark"},
 });
 
 namespace detail {

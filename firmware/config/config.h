@@ -34,6 +34,7 @@ struct LandmarkConfig {
   double dot_diameter_mm = 25.4;     ///< `dot_diameter_mm`: > 0, dots must not touch
   double centre_diameter_mm = 50.8;  ///< `centre_diameter_mm`: > 0
   double expected_roll_deg = 0.0;  ///< `expected_roll_deg`: -180..180; roll of the camera at which P1 is the lowest dot
+  double roll_sigma_deg = 5.0;     ///< `roll_sigma_deg`: 0.1..90; 1-sigma of the roll about that
 };
 
 /// [[landmarks]]: the map; none = one black-and-white landmark, id 0, at the world's origin
@@ -46,9 +47,10 @@ struct MapLandmarkConfig {
 
 /// [pose]
 struct PoseConfig {
-  std::string solver = "full";  ///< `solver`: full | ellipse
-  bool tracking = true;         ///< `tracking`: look where the landmark was before searching the whole picture
-  double max_ambiguity = 0.7;   ///< `max_ambiguity`: 0..1; above, the status bit `ambiguous` is set
+  std::string solver = "full";     ///< `solver`: full | ellipse
+  bool tracking = true;            ///< `tracking`: look where the landmark was before searching the whole picture
+  double max_ambiguity = 0.01;     ///< `max_ambiguity`: 0..1; odds of another reading above which a pose is not valid
+  double max_sigma_percent = 3.0;  ///< `max_sigma_percent`: 0.01..10 % of the distance; 1-sigma above it: not valid
 };
 
 /// [pose.ellipse]: what the founding paper calibrates; all zero = nothing was calibrated

@@ -99,6 +99,11 @@ const std::array kKeysUpToTheHead{
     ConfigKey{"landmark", "expected_roll_deg", "deg", -180, 180, "",
               "roll of the camera about its optical axis at which P1 is the lowest dot",
               SLOT(landmark.expected_roll_deg)},
+    ConfigKey{
+        "landmark", "roll_sigma_deg", "deg", 0.1, 90, "",
+        "1-sigma of the camera's roll about `expected_roll_deg`: how level it is mounted and stays; the ring looks "
+        "alike after 45 deg, and a roll of more than four of these leaves open which dot is P1",
+        SLOT(landmark.roll_sigma_deg)},
 
     ConfigKey{"landmarks", "id", "", 0, 65535, "", "number in reports, unique; must be given",
               [](Config& config) -> ConfigSlot { return &config.landmarks.back().id; }},
@@ -120,8 +125,13 @@ const std::array kKeysUpToTheHead{
               "`full`: near the maximum likelihood; `ellipse`: the founding paper's", SLOT(pose.solver)},
     ConfigKey{"pose", "tracking", "", 0, 0, "", "look where the landmark was before searching the whole picture",
               SLOT(pose.tracking)},
-    ConfigKey{"pose", "max_ambiguity", "", 0, 1, "", "above, the status bit `ambiguous` is set",
+    ConfigKey{"pose", "max_ambiguity", "", 0, 1, "",
+              "odds that another reading of the picture (mirror image, numbering of the dots) is the right one, above "
+              "which a pose is not valid",
               SLOT(pose.max_ambiguity)},
+    ConfigKey{"pose", "max_sigma_percent", "%", 0.01, 10, "",
+              "1-sigma of the position, all axes together, above which a pose is not valid; of the distance",
+              SLOT(pose.max_sigma_percent)},
 
     ConfigKey{"pose.ellipse", "kmm_mm_per_px", "mm/px", 0, 1, "", "Kmm of equation (6); 0 = of the calibrated camera",
               SLOT(ellipse.kmm_mm_per_px)},

@@ -37,6 +37,12 @@ constexpr double kSmallest_px = 2.5;
 }  // namespace
 
 struct Detector::Workspace {
+  /// A hypothesis that the grey levels confirm.
+  struct Accepted {
+    const Hypothesis* hypothesis;
+    Verification verification;
+  };
+
   Workspace(const CameraModel& camera_model, const LandmarkGeometry& landmark_geometry,
             const DetectorOptions& detector_options)
       : camera(camera_model),
@@ -58,9 +64,10 @@ struct Detector::Workspace {
   Result<LandmarkObservation> look(const ImageView& luma, const SearchArea& area) noexcept;
   Result<LandmarkObservation> match(const ImageView& luma, const SearchArea& area) noexcept;
   Verification verify(const ImageView& luma, const SearchArea& area, const Hypothesis& hypothesis) const noexcept;
-  bool best_hypothesis(const ImageView& luma, const SearchArea& area, Verification& verification) noexcept;
-  Result<LandmarkObservation> observe(const Verification& verification) const noexcept;
-  bool is_cut(std::size_t dot, const Blob& blob) const noexcept;
+  void guess_everything(const ImageView& luma) noexcept;
+  bool verify_all(const ImageView& luma, const SearchArea& area) noexcept;
+  Result<LandmarkObservation> observe(const Accepted& from) const noexcept;
+  bool is_cut(const Hypothesis& hypothesis, std::size_t dot, const Blob& blob) const noexcept;
 
   CameraModel camera;
   LandmarkGeometry landmark;
@@ -69,7 +76,7 @@ struct Detector::Workspace {
   BlobList blobs;
   SortedBlobs sorted;
   HypothesisList hypotheses;
-  Hypothesis best;
+  InlineVector<Accepted, kMaxGuesses> accepted;  ///< the best first
   ObservationList found;
   GuessCuts cuts;
 };
@@ -109,15 +116,25 @@ Result<LandmarkObservation> Detector::Workspace::look(const ImageView& luma, con
 /// The landmark among the blobs at hand.
 Result<LandmarkObservation> Detector::Workspace::match(const ImageView& luma, const SearchArea& area) noexcept {
   sorted.assign(blobs);
-  Verification verification;
   hypotheses.clear();
   guess_from_centre(sorted, landmark, hypotheses, cuts);
-  if (!best_hypothesis(luma, area, verification)) {
+  if (!verify_all(luma, area)) {
     hypotheses.clear();
     guess_from_ring(sorted, landmark, hypotheses, cuts);
-    if (!best_hypothesis(luma, area, verification)) return fail(Errc::kNoLandmark, "no landmark in the picture");
+    if (!verify_all(luma, area)) return fail(Errc::kNoLandmark, "no landmark in the picture");
   }
-  return observe(verification);
+  return observe(accepted[0]);
+}
+
+/// All that may be a landmark, whatever is already known of some of it.
+void Detector::Workspace::guess_everything(const ImageView& luma) noexcept {
+  const SearchArea area = everywhere(0);
+  finder.find_blobs(luma, area.levels, blobs);
+  sorted.assign(blobs);
+  hypotheses.clear();
+  guess_from_centre(sorted, landmark, hypotheses, cuts);
+  guess_from_ring(sorted, landmark, hypotheses, cuts);
+  verify_all(luma, area);
 }
 
 /// Small dots are looked at in the picture itself, larger ones at a level of the pyramid where noise is averaged away.
@@ -137,36 +154,41 @@ Verification Detector::Workspace::verify(const ImageView& luma, const SearchArea
                          finder.noise_lsb() * scale);
 }
 
-bool Detector::Workspace::best_hypothesis(const ImageView& luma, const SearchArea& area,
-                                          Verification& verification) noexcept {
-  bool any = false;
+/// Keeps those that are confirmed, the best first. \return  whether there is one
+bool Detector::Workspace::verify_all(const ImageView& luma, const SearchArea& area) noexcept {
+  accepted.clear();
   for (const Hypothesis& hypothesis : hypotheses) {
     const Verification v = verify(luma, area, hypothesis);
-    if (!v.accepted || (any && v.score <= verification.score)) continue;
-    any = true;
-    verification = v;
-    best = hypothesis;
+    if (!v.accepted) continue;
+    if (accepted.full()) {
+      if (v.score <= accepted[accepted.size() - 1].verification.score) continue;
+      accepted.pop_back();
+    }
+    (void)accepted.try_push_back({&hypothesis, v});  // there is room
+    for (std::size_t i = accepted.size() - 1; i > 0 && accepted[i - 1].verification.score < v.score; --i)
+      std::swap(accepted[i - 1], accepted[i]);
   }
-  return any;
+  return !accepted.empty();
 }
 
 /// A dot that something hides in part has an outline all around all the same, but it is smaller than the others say.
-bool Detector::Workspace::is_cut(std::size_t dot, const Blob& blob) const noexcept {
+bool Detector::Workspace::is_cut(const Hypothesis& hypothesis, std::size_t dot, const Blob& blob) const noexcept {
   const double radius_m = landmark.radius_m(dot);
-  const double whole_px2 =
-      std::numbers::pi * radius_m * radius_m * jacobian_of_map(best.H_px_plane, landmark.centre_m(dot)).determinant();
+  const double whole_px2 = std::numbers::pi * radius_m * radius_m *
+                           jacobian_of_map(hypothesis.H_px_plane, landmark.centre_m(dot)).determinant();
   return static_cast<double>(blob.area_px2) < whole_px2 * (kCutShare - kOutlineSlack_px / std::sqrt(whole_px2));
 }
 
-Result<LandmarkObservation> Detector::Workspace::observe(const Verification& verification) const noexcept {
+Result<LandmarkObservation> Detector::Workspace::observe(const Accepted& from) const noexcept {
+  const Hypothesis& hypothesis = *from.hypothesis;
   LandmarkObservation seen;
   InlineVector<PlanePoint, kDotCount> points;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     DotObservation& d = seen.dots[dot];
-    d.visible_fraction = verification.visible_fraction[dot];
-    if (best.blob[dot] < 0) continue;
-    const Blob& blob = blobs[static_cast<std::size_t>(best.blob[dot])];
-    d.seen = d.visible_fraction >= kWholeOutline && !is_cut(dot, blob);
+    d.visible_fraction = from.verification.visible_fraction[dot];
+    if (hypothesis.blob[dot] < 0) continue;
+    const Blob& blob = blobs[static_cast<std::size_t>(hypothesis.blob[dot])];
+    d.seen = d.visible_fraction >= kWholeOutline && !is_cut(hypothesis, dot, blob);
     d.centroid_px = {blob.x_px, blob.y_px};
     const double mean = 0.5 * (static_cast<double>(blob.xx_px2) + blob.yy_px2);
     const double half = 0.5 * (static_cast<double>(blob.xx_px2) - blob.yy_px2);
@@ -181,7 +203,7 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Verification& ver
   }
   if (!fit_plane_map(points.span(), seen.H_ray_plane))
     return fail(Errc::kPoseDegenerate, "the visible dots lie on a line");
-  seen.numbering_chi2 = numbering_costs(points.span(), seen.H_ray_plane, landmark, options.expected_roll_rad);
+  seen.numbering_chi2 = numbering_costs(points.span(), seen.H_ray_plane, landmark, options.upright);
   const auto likeliest = std::min_element(seen.numbering_chi2.begin(), seen.numbering_chi2.end());
   return renumbered(seen, static_cast<int>(likeliest - seen.numbering_chi2.begin()));
 }
@@ -197,6 +219,17 @@ Result<std::span<const LandmarkObservation>> Detector::find_landmarks(const Imag
   NINEDOT_TRY(const LandmarkObservation seen, w.search_whole(luma));
   w.found.clear();
   (void)w.found.try_push_back(seen);  // the only one
+  return w.found.span();
+}
+
+Result<std::span<const LandmarkObservation>> Detector::find_more_landmarks(const ImageView& luma) noexcept {
+  Workspace& w = *workspace_;
+  if (!w.fits(luma)) return fail(Errc::kFrameSize, "the frame's size is not the calibration's");
+  w.guess_everything(luma);
+  w.found.clear();
+  for (const Workspace::Accepted& accepted : w.accepted)
+    if (const auto seen = w.observe(accepted)) (void)w.found.try_push_back(*seen);  // kMaxGuesses is less than it holds
+  if (w.found.empty()) return fail(Errc::kNoLandmark, "no landmark in the picture");
   return w.found.span();
 }
 

@@ -8,12 +8,13 @@
 #include "detect/forecast.h"
 #include "detect/observation.h"
 #include "geometry/camera_model.h"
+#include "geometry/upright_prior.h"
 #include "image/image_view.h"
 
 namespace ninedot {
 
 struct DetectorOptions {
-  double expected_roll_rad = 0;  ///< roll of the camera about its optical axis at which P1 is the lowest dot
+  UprightPrior upright{};  ///< how the camera is mounted
 };
 
 /// Memory: everything is allocated by the constructor for the camera's picture size. Threads: one caller.
@@ -31,6 +32,13 @@ class Detector {
   /// \error kNoLandmark: nothing in the picture is one; kPoseDegenerate: its visible dots lie on a line or where the
   /// lens's model has no inverse; kFrameSize
   Result<std::span<const LandmarkObservation>> find_landmarks(const ImageView& luma) noexcept;
+
+  /// The same without mercy, for when what was found turned out to be none: all levels, all kinds of guesses.
+  /// \return  up to kMaxGuesses that the grey levels around their outlines don't refute, the surest first; they may be
+  /// different readings of the same blobs. Valid until the next call of a find function.
+  /// \error  as above
+  Result<std::span<const LandmarkObservation>> find_more_landmarks(const ImageView& luma) noexcept;
+  static constexpr std::size_t kMaxGuesses = 6;
 
   /// Looks only where the landmark is expected; cheaper by far.
   /// \param expected  its pose (a CameraFromLandmark will do), or as it was seen in the frame before, or moved to where

@@ -9,7 +9,7 @@
 namespace ninedot {
 
 NumberingCosts numbering_costs(std::span<const PlanePoint> points, const Eigen::Matrix3d& H_ray_plane,
-                               const LandmarkGeometry& landmark, double expected_roll_rad) noexcept {
+                               const LandmarkGeometry& landmark, const UprightPrior& prior) noexcept {
   Eigen::Vector3d X = H_ray_plane.col(0).normalized();
   Eigen::Vector3d Z = H_ray_plane.col(1).normalized();
   Eigen::Vector3d to_camera = -H_ray_plane.col(2).normalized();
@@ -18,7 +18,7 @@ NumberingCosts numbering_costs(std::span<const PlanePoint> points, const Eigen::
     Z = poses->front().T_camera_landmark.rotation.col(2);
     to_camera = -poses->front().T_camera_landmark.translation_m.normalized();
   }
-  NumberingCosts costs = upright_costs(X, Z, to_camera, landmark, expected_roll_rad);
+  NumberingCosts costs = upright_costs(X, Z, to_camera, landmark, prior);
   const double least = *std::min_element(costs.begin(), costs.end());
   for (double& cost : costs) cost -= least;
   return costs;

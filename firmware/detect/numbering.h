@@ -22,11 +22,10 @@ namespace ninedot {
 /// \param points  of the dots that are seen, as rays; with four or more their rigid pose is used, for a distant
 /// landmark's homography has eight unknowns of which two are noise
 /// \param H_ray_plane  sheet [m] to bearing (z = 1), as in LandmarkObservation: used where there are fewer
-/// \param expected_roll_rad  of the camera about its optical axis at which P1 is the lowest dot
 /// \return  squares of normal deviates [1]
 /// Memory: none. Threads: pure.
 NumberingCosts numbering_costs(std::span<const PlanePoint> points, const Eigen::Matrix3d& H_ray_plane,
-                               const LandmarkGeometry& landmark, double expected_roll_rad) noexcept;
+                               const LandmarkGeometry& landmark, const UprightPrior& prior) noexcept;
 
 /// The dot that lies where P1 is foretold: of all eight numberings the one whose dots are nearest to the forecast ones,
 /// by the sum of squared distances around P9, so that the landmark's way across the picture does not count. A turn by

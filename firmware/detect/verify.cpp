@@ -31,7 +31,9 @@ constexpr double kMinScoreOfThree = 4.9;
 constexpr double kMinPaper = 0.75;    // of the samples between the dots: a shadow's edge or a stain may spoil a quarter
 constexpr double kBlankShare = 0.25;  // of the expected contrast: less between both sides of an outline is none
 constexpr double kDarkPaperShare = 0.4;  // of the typical contrast: paper darker by this is something else
-constexpr double kOnADot = 0.7;          // of a dot's radius around its middle: two blobs so close are one dot
+constexpr double kSamePaperShare =
+    0.15;                        // likewise: what is no darker than this is the sheet itself, in the same light
+constexpr double kOnADot = 0.7;  // of a dot's radius around its middle: two blobs so close are one dot
 
 struct Sides {
   bool inside_picture = false;
@@ -75,8 +77,7 @@ class Evidence {
     const bool enough =
         (centre >= kSeen && whole >= 3) || (centre >= kPartly && whole >= 3 && whole + partly >= 4) || whole >= 5;
     v.accepted = enough && typical_lsb_ >= std::max(kMinContrast_lsb, kContrastPerNoise * noise_lsb_) &&
-                 paper_is_blank() && !centre_is_absent(centre) && isolated_holes(v) <= 1 &&
-                 2 * intruders(blobs) <= seen - 3;
+                 paper_is_blank() && !centre_is_absent(centre) && are_hidden_not_absent(v, blobs, seen);
     return v;
   }
 
@@ -126,7 +127,14 @@ class Evidence {
     return s.inside_picture && s.out - s.in > std::max(kMinContrast_lsb, kMinShare * expected_lsb(s.out));
   }
 
+  /// A dot is ink from its outline to its middle: a washer or a hole with a rim is none.
+  bool is_hollow(std::size_t dot) const noexcept {
+    const auto middle = sample(luma_, map_point(H_, landmark_.centre_m(dot)));
+    return middle && *middle - mean_inside(dot) > kMinShare * expected_lsb(paper_lsb_);
+  }
+
   float visible_fraction(std::size_t dot) const noexcept {
+    if (is_hollow(dot)) return 0;
     const auto edges =
         std::count_if(sides_[dot].begin(), sides_[dot].end(), [this](const Sides& s) { return is_edge(s); });
     return static_cast<float>(edges) / kDirections;
@@ -164,13 +172,13 @@ class Evidence {
   }
 
   /// Blank paper where a dot should be: as bright inside as outside, all around.
-  bool is_blank(std::size_t dot) const noexcept {
+  /// \param dark_share  how much darker than the sheet's paper it may be, of the typical contrast
+  bool is_blank(std::size_t dot, double dark_share) const noexcept {
     int asked = 0, blank = 0;
     for (const Sides& s : sides_[dot]) {
       if (!s.inside_picture) continue;
       ++asked;
-      if (std::abs(s.out - s.in) < kBlankShare * expected_lsb(s.out) &&
-          s.in > paper_lsb_ - kDarkPaperShare * typical_lsb_)
+      if (std::abs(s.out - s.in) < kBlankShare * expected_lsb(s.out) && s.in > paper_lsb_ - dark_share * typical_lsb_)
         ++blank;
     }
     return asked > kDirections / 2 && blank > 0.8 * asked;
@@ -178,7 +186,7 @@ class Evidence {
 
   bool centre_is_absent(float centre_fraction) const noexcept {
     if (centre_fraction >= kSeen) return false;
-    if (is_blank(kCentreDot)) return true;
+    if (is_blank(kCentreDot, kDarkPaperShare)) return true;
     // What hides P9's outline in one direction and comes from outside hides the ring's dot in that direction too. Up to
     // half of the sheet hidden this holds for a straight edge; a little beyond, two directions may break it.
     int contradictions = 0;
@@ -240,14 +248,19 @@ class Evidence {
     return false;
   }
 
-  /// Hidden dots come in a row; holes between two whole dots are dirt once, and another pattern twice.
-  static int isolated_holes(const Verification& v) noexcept {
+  /// Hidden dots come in a row. A hole between two whole dots is dirt once, unless the sheet itself is in its place or
+  /// its dot is somewhere else; and another pattern twice.
+  bool are_hidden_not_absent(const Verification& v, const BlobList& blobs, int seen) const noexcept {
     int holes = 0;
+    bool is_blank_hole = false;
     for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
       const float before = v.visible_fraction[(dot + 7) % 8], after = v.visible_fraction[(dot + 1) % 8];
-      if (v.visible_fraction[dot] < kSeen / 2 && before >= kSeen && after >= kSeen) ++holes;
+      if (!(v.visible_fraction[dot] < kSeen && before >= kSeen && after >= kSeen)) continue;
+      is_blank_hole = is_blank_hole || is_blank(dot, kSamePaperShare);
+      if (v.visible_fraction[dot] < kSeen / 2) ++holes;
     }
-    return holes;
+    const int strangers = intruders(blobs);
+    return holes <= 1 && !is_blank_hole && (holes == 0 || strangers == 0) && 2 * strangers <= seen - 3;
   }
 
   const ImageView& luma_;

@@ -53,12 +53,13 @@ int decimals_for(double sigma) {
 double sigma_of(const Report& report, std::size_t i) { return std::sqrt(report.covariance[7 * i]); }
 
 void draw_verdict(cv::Mat& panel, const Report& report, double unit_px) {
-  const bool doubtful = report.valid && (report.ambiguous || !report.calibrated);
-  const Colour& colour = !report.valid ? kBad : doubtful ? kDoubtful : kGood;
-  const char* const verdict = report.ambiguous ? "ambiguous" : report.calibrated ? "found" : "uncalibrated";
-  const std::string words = report.valid   ? fmt::format("landmark {} {}", report.landmark_id, verdict)
-                            : report.found ? "no pose"
-                                           : "no landmark";
+  const bool doubtful = (report.valid && !report.calibrated) || report.ambiguous;
+  const Colour& colour = doubtful ? kDoubtful : report.valid ? kGood : kBad;
+  const char* const verdict = report.calibrated ? "found" : "uncalibrated";
+  const std::string words = report.valid       ? fmt::format("landmark {} {}", report.landmark_id, verdict)
+                            : report.ambiguous ? "ambiguous"
+                            : report.found     ? "no pose"
+                                               : "no landmark";
   const double height_units = 58;
   panel.rowRange(0, static_cast<int>(height_units * unit_px)).setTo(colour);
   draw_text(panel, words, Eigen::Vector2d(kLeft_units, 39) * unit_px, 19 * unit_px, {255, 255, 255});

@@ -19,7 +19,7 @@ struct LandmarkFix {
   std::size_t chosen = 0;                                 ///< index of the one that is believed
   Transform<frame::World, frame::Camera> T_world_camera;  ///< by the map
   std::array<double, 6> sigma_world{};                    ///< 1-sigma: x y z [m], about the world's x y z [rad]
-  bool ambiguous = false;                                 ///< above the configured limit
+  Reason verdict = Reason::kNone;                         ///< kNone: it may be acted on; else why not
   std::uint16_t quality = 0;                              ///< 0..1000, see pose_quality
 
   /// Of the camera in the frame of this landmark.
@@ -28,17 +28,17 @@ struct LandmarkFix {
 
 /// What one frame says of where the camera is. Says nothing of the frames before it.
 struct Fix {
-  Reason reason = Reason::kNoLandmark;  ///< kNone: there is a landmark with a pose
+  Reason reason = Reason::kNoLandmark;  ///< kNone: there is a landmark whose pose may be acted on
   bool found = false;                   ///< the frame shows a landmark
   bool tracked = false;                 ///< it was where it was expected
   bool calibrated = false;              ///< the camera's calibration was loaded
   Solver solver = Solver::kFull;
-  /// The landmarks that gave a pose, the one that counts first; at most one as yet.
+  /// The landmarks that gave a pose, to be acted on or not, the one that counts first; at most one as yet.
   InlineVector<LandmarkFix, kMaxLandmarksInView> landmarks;
   std::chrono::nanoseconds process_time{};
   WorkCounts work;  ///< of all frames since the start, whatever `reason` says
 
-  /// \pre reason == kNone (contract)
+  /// \pre there is one (contract)
   const LandmarkFix& main() const noexcept { return landmarks[0]; }
 };
 

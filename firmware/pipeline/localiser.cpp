@@ -8,6 +8,7 @@
 #include "detect/numbering.h"
 #include "pipeline/report_reason.h"
 #include "pose/observation_of_pose.h"
+#include "pose/pose_of_outlines.h"
 
 namespace ninedot {
 
@@ -44,7 +45,7 @@ Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
       detector_(camera, options.landmark, options.detector),
       full_(camera, options.landmark),
       ellipse_(camera, options.landmark, options.ellipse),
-      track_({camera.fx_px, options.landmark, options.solver == Solver::kFull, options.detector.expected_roll_rad}) {}
+      track_({camera.fx_px, options.landmark, options.solver == Solver::kFull, options.detector.upright}) {}
 
 Result<std::size_t> Localiser::follow_outlines(const Frame& frame) noexcept {
   const auto untrackable = fail(Errc::kNoLandmark, "its outlines can't be foretold well enough");
@@ -53,7 +54,8 @@ Result<std::size_t> Localiser::follow_outlines(const Frame& frame) noexcept {
   NINEDOT_TRY(candidates_,
               full_.follow(frame.luma, track_.expected_at(frame.exposed_at()), *track_.prior(), look_at_mirror));
   const PoseCandidate& followed = candidates_.list[0];
-  if (!track_.accepts(followed)) return fail(Errc::kNoLandmark, "the landmark is not as it was");
+  if (!track_.accepts(followed, frame.exposed_at()) || !fits_picture(followed, noise_))
+    return fail(Errc::kNoLandmark, "the landmark is not as it was");
   track_.see(observation_of(followed.outlines.T_camera_landmark, followed.visible_share, camera_, options_.landmark));
   return track_.take(candidates_, look_at_mirror, frame.exposed_at());
 }
@@ -61,30 +63,53 @@ Result<std::size_t> Localiser::follow_outlines(const Frame& frame) noexcept {
 Result<std::size_t> Localiser::detect_near_track(const Frame& frame) noexcept {
   NINEDOT_TRY(const LandmarkObservation seen,
               detector_.find_landmark_near(frame.luma, track_.forecast(frame.exposed_at())));
-  track_.see(seen);
-  return solve(frame, track_.prior());
+  return solve(frame, seen, track_.prior());
 }
 
 Result<std::size_t> Localiser::search(const Frame& frame) noexcept {
   track_.jump();
-  NINEDOT_TRY(const auto found, detector_.find_landmarks(frame.luma));
-  LandmarkObservation seen = found.front();
-  // Only the priors have numbered it. What was tracked a moment ago keeps its numbers.
-  if (const auto known = track_.remembered(frame.exposed_at()))
-    if (const auto first = first_dot_by_forecast(seen.H_ray_plane, known->H_ray_plane, options_.landmark))
-      seen = renumbered(seen, *first);
-  track_.see(seen);
-  return solve(frame, nullptr);
+  NINEDOT_TRY(const auto likely, detector_.find_landmarks(frame.luma));
+  if (const auto chosen = solve_any(frame, likely)) return chosen;
+  NINEDOT_TRY(const auto unlikely, detector_.find_more_landmarks(frame.luma));
+  return solve_any(frame, unlikely);
 }
 
-Result<std::size_t> Localiser::solve(const Frame& frame, const PosePrior* prior) noexcept {
-  const LandmarkObservation& seen = track_.sighting();
-  NINEDOT_TRY(candidates_,
-              options_.solver == Solver::kFull ? full_.solve(frame.luma, seen, prior) : ellipse_.solve(seen));
+/// The first of what looks like the landmark that is one.
+Result<std::size_t> Localiser::solve_any(const Frame& frame, std::span<const LandmarkObservation> found) noexcept {
+  const auto known = track_.remembered(frame.exposed_at());
+  Result<std::size_t> chosen = fail(Errc::kNoLandmark, "nothing in the picture is a landmark");
+  for (LandmarkObservation seen : found) {
+    // Only the priors have numbered it. What was tracked a moment ago keeps its numbers.
+    if (known)
+      if (const auto first = first_dot_by_forecast(seen.H_ray_plane, known->H_ray_plane, options_.landmark))
+        seen = renumbered(seen, *first);
+    chosen = solve(frame, seen, nullptr);
+    if (chosen) break;
+  }
+  return chosen;
+}
+
+Result<std::size_t> Localiser::solve(const Frame& frame, const LandmarkObservation& seen,
+                                     const PosePrior* prior) noexcept {
+  const bool full = options_.solver == Solver::kFull;
+  const auto answer = full ? full_.solve(frame.luma, seen, prior) : ellipse_.solve(seen);
+  if (!answer) {
+    if (answer.error().code == Errc::kPoseDegenerate) track_.see(seen);
+    return tl::unexpected<Error>(answer.error());
+  }
+  candidates_ = *answer;
+  const PoseCandidate& best = candidates_.list[0];
+  // The closed form looks at centres alone: whether there are outlines of a landmark is asked of the picture apart.
+  const Result<PoseCandidate> examined = full ? best : full_.examine(frame.luma, best.pose.T_landmark_camera.inverse());
+  if (!examined || !fits_picture(*examined, noise_)) {
+    if (!misfit_) misfit_ = candidates_;
+    return fail(Errc::kNoLandmark, "the picture does not fit a landmark");
+  }
+  track_.see(seen);
   return track_.take(candidates_, true, frame.exposed_at());
 }
 
-void Localiser::add_fix(std::size_t chosen) noexcept {
+void Localiser::add_fix(std::size_t chosen, bool fits) noexcept {
   const MappedLandmark& landmark = options_.map.landmarks().front();
   LandmarkFix fix;
   fix.id = landmark.id;
@@ -94,7 +119,8 @@ void Localiser::add_fix(std::size_t chosen) noexcept {
   fix.T_world_camera = landmark.T_world_landmark * pose.T_landmark_camera;
   fix.sigma_world = world_sigmas(pose, landmark.T_world_landmark);
   fix.quality = pose_quality(pose);
-  fix.ambiguous = pose.ambiguity > options_.max_ambiguity;
+  fix.verdict = verdict_on(pose, fits, options_.trust);
+  fix_.reason = fix.verdict;
   (void)fix_.landmarks.try_push_back(fix);  // the only one
 }
 
@@ -103,6 +129,8 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
   fix_.landmarks.clear();
   fix_.calibrated = options_.calibrated;
   fix_.solver = options_.solver;
+  noise_ = PictureNoise(frame.luma);
+  misfit_.reset();
 
   if (track_.is_numbering_refuted()) track_.reset();
   const bool has_track = options_.tracking && track_.has_sighting();
@@ -112,12 +140,17 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
   fix_.tracked = chosen.has_value();
   if (!chosen) chosen = search(frame);  // the landmark jumped, or what was near the track is not it
 
-  if (chosen)
-    add_fix(*chosen);
-  else
+  if (chosen) {
+    add_fix(*chosen, true);
+  } else {
     track_.lose_pose(track_.has_sighting());
-  fix_.reason = chosen ? Reason::kNone : reason_of(chosen.error().code);
-  fix_.found = track_.has_sighting();
+    fix_.reason = reason_of(chosen.error().code);
+    if (misfit_) {
+      candidates_ = *misfit_;
+      add_fix(0, false);
+    }
+  }
+  fix_.found = track_.has_sighting() || !fix_.landmarks.empty();
   fix_.work = detector_.counts();
   fix_.process_time = mono_now() - begin;
   return fix_;

@@ -1,7 +1,9 @@
 #pragma once
 /// One frame's path: picture -> dots -> landmark -> pose with its uncertainty -> fix. The whole path is in `process`.
 #include "detect/detector.h"
+#include "image/noise.h"
 #include "pipeline/frame_processor.h"
+#include "pipeline/verdict.h"
 #include "pose/ellipse_solver.h"
 #include "pose/full_solver.h"
 #include "track/track.h"
@@ -14,9 +16,9 @@ struct LocaliserOptions {
   DetectorOptions detector{};
   Solver solver = Solver::kFull;
   EllipseCalibration ellipse{};
-  bool tracking = true;        ///< look where the landmark was before searching the whole picture
-  double max_ambiguity = 0.7;  ///< above: Report::ambiguous
-  LandmarkMap map{};           ///< one landmark as yet: the first is the one that is seen
+  bool tracking = true;  ///< look where the landmark was before searching the whole picture
+  TrustLimits trust{};   ///< what is beyond them is found, but not valid
+  LandmarkMap map{};     ///< one landmark as yet: the first is the one that is seen
   bool calibrated = true;
 };
 
@@ -44,12 +46,14 @@ class Localiser final : public FrameProcessor {
   }
 
  private:
-  /// What a way to the pose has found, and chosen already. None of them: the error of the last one that saw something.
+  /// What a way to the pose has found, chosen and judged to fit the picture. None of them: the error of the last one
+  /// that saw something.
   Result<std::size_t> follow_outlines(const Frame& frame) noexcept;
   Result<std::size_t> detect_near_track(const Frame& frame) noexcept;
   Result<std::size_t> search(const Frame& frame) noexcept;
-  Result<std::size_t> solve(const Frame& frame, const PosePrior* prior) noexcept;
-  void add_fix(std::size_t chosen) noexcept;
+  Result<std::size_t> solve_any(const Frame& frame, std::span<const LandmarkObservation> found) noexcept;
+  Result<std::size_t> solve(const Frame& frame, const LandmarkObservation& seen, const PosePrior* prior) noexcept;
+  void add_fix(std::size_t chosen, bool fits) noexcept;
 
   const LocaliserOptions options_;
   CameraModel camera_;
@@ -57,7 +61,10 @@ class Localiser final : public FrameProcessor {
   FullSolver full_;
   EllipseSolver ellipse_;
   Track track_;
-  PoseCandidates candidates_;  // of the frame under way
+  // Of the frame under way.
+  PictureNoise noise_;
+  PoseCandidates candidates_;
+  std::optional<PoseCandidates> misfit_;  // the first that looked like a landmark and does not fit the picture
   Fix fix_;
 };
 

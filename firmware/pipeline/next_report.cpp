@@ -20,7 +20,6 @@ void fill_pose(const LandmarkFix& fix, Report& report) noexcept {
   report.landmark_id = fix.id;
   report.quality = fix.quality;
   report.ambiguity = pose.ambiguity;
-  report.ambiguous = fix.ambiguous;
   report.rms_px = pose.rms_px;
   report.dots_used = static_cast<std::uint16_t>(pose.dots_used);
   report.occlusion_level = static_cast<std::uint16_t>(pose.occlusion_level);
@@ -32,6 +31,13 @@ void fill_pose(const LandmarkFix& fix, Report& report) noexcept {
   report.deviation_rad = pose.ellipse.deviation_rad;
 }
 
+void fill_rival(const LandmarkFix& fix, Report& report) noexcept {
+  report.rival = {};
+  if (!fix.candidates.rival) return;
+  const auto& T = fix.candidates.rival->T_landmark_camera;
+  report.rival = {fix.candidates.rival->odds, report_pose(T.translation_m, T.quaternion())};
+}
+
 /// \param exposed_at  of a valid pose: where the head stood then; null: where it stands now
 void fill_head(const HeadSnapshot& head, const MonoTime* exposed_at, Report& report) noexcept {
   const HeadAngles angles = exposed_at != nullptr ? head.track.at(*exposed_at) : head.track.newest();
@@ -40,7 +46,8 @@ void fill_head(const HeadSnapshot& head, const MonoTime* exposed_at, Report& rep
 }
 
 void mark_invalid(Reason reason, Report& report) noexcept {
-  report.valid = report.found = report.tracking = false;
+  report.valid = report.found = report.tracking = report.ambiguous = false;
+  report.rival = {};
   report.quality = 0;
   report.reason = reason;
 }
@@ -62,9 +69,15 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix, con
     report.exposed_at = exposed_at;
     ++report.pose_sequence;
     report.valid = true;
+    report.ambiguous = false;
     report.reason = Reason::kNone;
   } else {
     mark_invalid(fix.reason, report);
+  }
+  if (!fix.landmarks.empty()) fill_rival(fix.main(), report);
+  if (fix.reason == Reason::kAmbiguous) {
+    report.ambiguous = true;
+    report.ambiguity = fix.main().pose().ambiguity;
   }
   report.found = fix.found;
   report.tracking = fix.tracked;
@@ -79,6 +92,15 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix, con
   report.published_at = context.now;
   if (fix.reason != Reason::kFrameSize) report.latency = context.now - exposed_at;
   return report;
+}
+
+Report with_pose_of(const Report& report, const Frame& frame, const Fix& fix) noexcept {
+  EXPECTS(!fix.landmarks.empty());
+  Report shown = report;
+  fill_pose(fix.main(), shown);
+  shown.has_pose = true;
+  shown.exposed_at = frame.exposed_at();
+  return shown;
 }
 
 Report report_of_failure(const Report& before, Reason reason, const ReportContext& context) noexcept {

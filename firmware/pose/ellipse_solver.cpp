@@ -20,9 +20,6 @@ namespace {
 /// diameter (measured: 0.062 to 0.091), rounded up. Counts as much as kPriorFreedoms residuals.
 constexpr double kCentreSigma_px = 0.1;
 constexpr double kPriorFreedoms = 4;
-/// The best that any centre was measured to (an outline fit of 12 px, in px): keeps the ambiguity of noise-free input
-/// above zero.
-constexpr double kBestCentreSigma_px = 0.01;
 constexpr double kPoseFreedoms = 6;
 constexpr double kTiny_px2 = 1e-12;  // keeps a division finite
 
@@ -136,8 +133,8 @@ Result<PoseCandidates> EllipseSolver::solve(const LandmarkObservation& seen) con
   for (std::size_t dot = 0; dot < kDotCount; ++dot) chosen.visible_share[dot] = sight.seen[dot] ? 1 : 0;
 
   mirror.pose.T_landmark_camera = other.T_landmark_camera;
-  const double floor_px2 = 2 * sight.seen_count * kBestCentreSigma_px * kBestCentreSigma_px;
-  mirror.chi2_above = 2 * std::log((other_px2 + floor_px2) / (best_px2 + floor_px2));
+  const double variance_px2 = std::max(kCentreSigma_px * kCentreSigma_px, best_px2 / (2.0 * sight.seen_count));
+  mirror.chi2_above = (other_px2 - best_px2) / variance_px2;
   mirror.refined = false;
   (void)candidates.list.try_push_back(chosen);
   (void)candidates.list.try_push_back(mirror);

@@ -22,8 +22,8 @@ class EllipseSolver {
   EllipseSolver(const CameraModel& camera, const LandmarkGeometry& landmark, const EllipseCalibration& calibration);
 
   /// \error kPoseDegenerate: neither five ring dots nor P9 and one ring dot are visible
-  /// The other side's pose comes second, without a covariance. `chi2_above` stands for the ratio of their squared
-  /// residuals: exp(-chi2_above / 2).
+  /// The other side's pose comes second, without a covariance. `chi2_above` is the difference of their squared
+  /// residuals, in units of a dot centre's variance.
   Result<PoseCandidates> solve(const LandmarkObservation& seen) const noexcept;
 
  private:

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "base/inline_vector.h"
 #include "geometry/landmark.h"
@@ -38,6 +39,15 @@ struct PoseEstimate {
   EllipseParameters ellipse;
 };
 
+/// How the picture's grey levels agree with outlines where a pose has them.
+struct OutlineFit {
+  double contrast_lsb = 0;  ///< of paper and ink, the median group of pixels [LSB]
+  double paper_lsb = 0;     ///< likewise the paper's grey level [LSB]
+  /// 1-sigma of the pixels about the model [LSB], of the quantile of the groups that the weights take for noise:
+  /// shadows may spoil two thirds of them.
+  double residual_lsb = 0;
+};
+
 /// One reading of a picture.
 struct PoseCandidate {
   PoseEstimate pose;  ///< `ambiguity` is left to who chooses
@@ -48,6 +58,8 @@ struct PoseCandidate {
   /// covariance unknown: never to be chosen.
   bool refined = true;
   OptimiserStatistics statistics;                 ///< of its refinement
+  OutlineFit fit;                                 ///< of its outlines; solver "full"
+  double dot_radius_px = 0;                       ///< of the ring's dots, likewise, seen from in front
   OutlineState outlines;                          ///< solver "full": what a next frame may start from
   std::array<double, kDotCount> visible_share{};  ///< of each dot's outline, where it belongs. 0..1
   bool light_smooth = true;                       ///< no shadow's edge crosses the landmark
@@ -56,10 +68,18 @@ struct PoseCandidate {
 /// The mirror image beside the pose: all readings that the points of one plane allow.
 inline constexpr std::size_t kMaxPoseCandidates = 2;
 
+/// Another reading than the chosen one, numbering included.
+struct RivalReading {
+  Transform<frame::Landmark, frame::Camera> T_landmark_camera;
+  double odds = 0;  ///< that it is the right one, 0..1
+};
+
 /// What a solver answers: every reading, the best one first. Who chooses among them is the track.
 struct PoseCandidates {
   InlineVector<PoseCandidate, kMaxPoseCandidates> list;  ///< at least one
   double warp_px = 0;                                    ///< how far the dots lay from where one flat sheet shows them
+  /// The likeliest reading beside the chosen one, planar solutions and numberings together; none: no other is possible.
+  std::optional<RivalReading> rival;
 };
 
 /// Difference of chi^2 below which the picture can't tell two readings apart: 3 sigma. [1]

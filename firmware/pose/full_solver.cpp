@@ -207,4 +207,13 @@ Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const CameraFro
   return candidates;
 }
 
+Result<PoseCandidate> FullSolver::examine(const ImageView& luma, const CameraFromLandmark& T_camera_landmark) noexcept {
+  OutlineRefiner& refiner = workspace_->first;
+  OutlineState start;
+  start.T_camera_landmark = T_camera_landmark;
+  if (!refiner.refine(luma, start, OutlineRefiner::Start::kRough, 0).has_converged())
+    return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
+  return candidate_of(refiner, workspace_->camera, workspace_->landmark);
+}
+
 }  // namespace ninedot

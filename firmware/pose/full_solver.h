@@ -40,6 +40,10 @@ class FullSolver {
   Result<PoseCandidates> follow(const ImageView& luma, const CameraFromLandmark& expected, const PosePrior& prior,
                                 bool look_at_mirror) noexcept;
 
+  /// The pose of another solver, once its outlines have been moved to where they fit the picture best.
+  /// \error kPoseDegenerate: they lead to no pose
+  Result<PoseCandidate> examine(const ImageView& luma, const CameraFromLandmark& T_camera_landmark) noexcept;
+
  private:
   struct Workspace;
   std::unique_ptr<Workspace> workspace_;

@@ -47,6 +47,7 @@ class OutlineRefiner {
   const UnknownMatrix& information() const noexcept { return information_; }
   /// Root mean square of the groups' shifts against the state.
   double rms_px() const noexcept { return weights_.rms_px; }
+  const OutlineFit& fit() const noexcept { return weights_.fit; }
 
   // What gauss_newton asks of a problem, and nobody else.
   using Step = UnknownVector;

@@ -106,6 +106,7 @@ void weigh_groups(std::span<const OutlineGroup> groups, const GroupFits& fits, d
                   OutlineWeights& weights) noexcept {
   const Typical typical = typical_of(groups, fits);
   weights.noise_variance_lsb2 = typical.noise_variance_lsb2;
+  weights.fit = {typical.contrast_lsb, typical.paper_lsb, std::sqrt(typical.noise_variance_lsb2)};
   const double model_px2 = model_variance_px2(groups, fits, typical);
   double sum_weight = 0, sum_shift = 0;
   for (std::size_t i = 0; i < groups.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <span>
 
+#include "pose/estimate.h"
 #include "pose/outline_sums.h"
 
 namespace ninedot {
@@ -18,6 +19,7 @@ struct OutlineWeights {
   std::array<bool, kMaxGroups> outline_there{};  ///< an outline where it belongs, though its light may be spoiled
   double noise_variance_lsb2 = 1;                ///< of one pixel [LSB^2]
   double rms_px = 0;                             ///< root mean square of the groups' shifts against the state
+  OutlineFit fit;                                ///< `residual_lsb` is the root of noise_variance_lsb2
 };
 
 /// Weights of all groups from their contrast, their residuals and their shift against what the state says.

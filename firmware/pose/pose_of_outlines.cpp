@@ -16,6 +16,44 @@ constexpr double kMaxMisfit = 0.3;  // of a dot's radius: what is further off is
 constexpr double kMaxSigma = 0.1;   // of the distance: whoever knows no more has no position
 constexpr int kLeastDots = 3;       // three discs determine a plane's pose, two leave a turn about their line
 
+// Times the picture's noise: the estimate is within a fifth of the truth, smooth light leaves 1.6 times the variance.
+constexpr double kFitNoise = 2;
+// Of the contrast, whatever the picture's noise: what is noisier cannot be told from texture. 2.9 sigma of one pixel,
+// where a dot of 2.6 px has ten of them.
+constexpr double kMostResidual = 0.35;
+constexpr double kRounding_lsb2 = 1.0 / 12;  // of a picture without noise: whole grey levels
+// Of the contrast, by how many dots the pose rests on: what light may leave that no model has, shadows' edges first.
+// Nine dots in their places are no chance; six may be. Over 1400 rendered pictures true poses left 0.09 with six dots
+// and less, 0.23 with nine across stripes of shade; poses of a wrong start 4 to 10 times the noise with six dots and
+// less, and look-alikes in photographs an eighth of the contrast at least.
+constexpr std::array<double, kDotCount + 1> kFitContrast{0.02, 0.02, 0.02, 0.02, 0.02, 0.02, 0.03, 0.06, 0.08, 0.10};
+
+// Of a dot's radius: how far the outlines of a print may lie from where they should, root mean square; with six dots
+// and less half of that, for they follow a wrong pose more easily. And the pixels by which a blurred one is moved.
+constexpr double kPrintMisfit = 0.12, kFewDotsMisfit = 0.06, kPrintMisfit_px = 0.03;
+constexpr int kFewDots = 6;
+// Common offset of all outlines, in sigmas of the blur: sRGB moves a blurred edge by 0.47 of them, whatever the blur
+// (0.5 to 1.9 px, rendered); more is another size of dots.
+constexpr double kMostOffset = 0.6, kMostOffset_px = 0.1;
+// Of P9's outline. A straight edge that leaves five ring dots leaves two thirds of P9's outline, one that leaves four a
+// quarter: half of that, for the dots beside the edge count as whole when they are not quite.
+constexpr double kCentreBesideFive = 0.33, kCentreBesideFour = 0.12;
+constexpr double kWholeDot = 0.9;            // visible share: the dot counts as whole
+constexpr double kCentreOfWholeRing = 0.75;  // of P9's outline, where nothing hides a dot around it
+
+/// What hides a landmark comes from outside: it hides P9 after dots of the ring, and neighbours together.
+bool is_plausibly_hidden(const std::array<double, kDotCount>& visible) noexcept {
+  int whole = 0, holes = 0;
+  for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
+    whole += visible[dot] >= kWholeDot;
+    holes += visible[dot] < kMinVisible && visible[(dot + 1) % kRingDotCount] >= kWholeDot &&
+             visible[(dot + 7) % kRingDotCount] >= kWholeDot;
+  }
+  const double centre = visible[kCentreDot];
+  if (whole == static_cast<int>(kRingDotCount) && centre < kCentreOfWholeRing) return false;
+  return holes <= 1 && centre >= (whole >= 5 ? kCentreBesideFive : whole == 4 ? kCentreBesideFour : 0);
+}
+
 /// From (rotation about the landmark's origin, translation) of the sheet before the camera to (position of the camera
 /// in S0, rotation vector in the camera frame): dc = R_lc (dw x t - dt), w = -dw.
 Matrix6d covariance_of(const OutlineRefiner& refiner, const Eigen::Matrix3d& R_landmark_camera,
@@ -49,6 +87,9 @@ PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& cam
   PoseCandidate candidate;
   candidate.outlines = refiner.state();
   candidate.statistics = refiner.statistics();
+  candidate.fit = refiner.fit();
+  candidate.dot_radius_px =
+      camera.fx_px * landmark.dot_radius_m / refiner.state().T_camera_landmark.translation_m.norm();
   candidate.visible_share = refiner.visible_share();
   candidate.light_smooth = refiner.is_light_smooth();
   PoseEstimate& pose = candidate.pose;
@@ -60,6 +101,22 @@ PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& cam
   pose.dots_used = static_cast<int>(std::ranges::count_if(visible, [](double share) { return share >= kMinVisible; }));
   pose.occlusion_level = occlusion_level(visible);
   return candidate;
+}
+
+bool fits_picture(const PoseCandidate& candidate, const PictureNoise& noise) noexcept {
+  const OutlineFit& fit = candidate.fit;
+  const double of_paper = noise.at(fit.paper_lsb), of_ink = noise.at(fit.paper_lsb - fit.contrast_lsb);
+  const double noise_lsb2 = 0.5 * (of_paper * of_paper + of_ink * of_ink) + kRounding_lsb2;
+  const auto dots = static_cast<std::size_t>(std::clamp<int>(candidate.pose.dots_used, 0, kDotCount));
+  const double light_lsb = kFitContrast[dots] * fit.contrast_lsb;
+  const double dot_px = candidate.dot_radius_px;
+  const double misfit = candidate.pose.dots_used <= kFewDots ? kFewDotsMisfit : kPrintMisfit;
+  if (candidate.pose.rms_px > misfit * dot_px + kPrintMisfit_px) return false;
+  const double blur_px = std::sqrt(std::max(candidate.outlines.blur_px2, 0.0));
+  if (!(std::abs(candidate.outlines.offset_px) <= kMostOffset * blur_px + kMostOffset_px)) return false;
+  if (!is_plausibly_hidden(candidate.visible_share)) return false;
+  return fit.residual_lsb <= kMostResidual * fit.contrast_lsb &&
+         fit.residual_lsb * fit.residual_lsb <= kFitNoise * kFitNoise * noise_lsb2 + light_lsb * light_lsb;
 }
 
 Result<void> check_pose(const PoseEstimate& pose, const CameraModel& camera,

@@ -26,6 +26,12 @@ struct ReportPose {
   std::array<double, 4> quaternion_wxyz{1, 0, 0, 0};
 };
 
+/// Another reading of the newest frame's landmark.
+struct ReportRival {
+  double odds = 0;                ///< that it is the right one, 0..1; 0: there is none
+  ReportPose camera_in_landmark;  ///< means something where the odds are above 0
+};
+
 /// How far the newest order to the head has come.
 enum class OrderProgress : std::uint8_t {
   kNone,     ///< no order since the start
@@ -69,7 +75,7 @@ struct Report {
 
   bool valid = false;       ///< pose is of this very frame and usable
   bool found = false;       ///< the frame shows a landmark
-  bool ambiguous = false;   ///< ambiguity above the configured limit
+  bool ambiguous = false;   ///< the newest frame's pose is not valid because another reading is too likely
   bool calibrated = false;  ///< a camera calibration was loaded
   bool tracking = false;    ///< found where the track predicted it, without a full search
   Reason reason = Reason::kStarting;
@@ -85,13 +91,14 @@ struct Report {
   /// The same six 1-sigmas with the position along the world's axes: x y z [m], rotation about the world's x y z [rad].
   std::array<double, 6> sigma_world{};
 
-  double ambiguity = 0;  ///< 0..1
+  double ambiguity = 0;  ///< odds of all other readings; of the newest frame where that is `ambiguous`. 0..1
   double rms_px = 0;     ///< residual [px]
   std::uint16_t dots_used = 0;
   std::uint16_t occlusion_level = 0;
   double swing_psi_rad = 0, tilt_phi_rad = 0, pan_theta_rad = 0;
   double distance_m = 0, image_distance_m = 0, deviation_rad = 0;
 
+  ReportRival rival;
   ReportHead head;
 };
 static_assert(std::is_trivially_copyable_v<Report>);

@@ -6,6 +6,7 @@
 
 #include "base/contract.h"
 #include "pose/mirror_image.h"
+#include "track/reading_odds.h"
 
 namespace ninedot {
 namespace {
@@ -13,19 +14,25 @@ namespace {
 // A landmark whose motion is foretold no better than this is found sooner by the detector than by its outlines: half of
 // the reach within which an expectation's first step leads to the outline (pose/outline_refiner.cpp).
 constexpr double kLittleSurprise_px = 0.5;
-constexpr double kUsableSurprise_px = 12;   // the least margin around the window of a search (detect/detector.cpp)
-constexpr double kSettled = 1e-4;           // ambiguity of a track that has told the two planar solutions apart
-constexpr double kOutOfTheQuestion = 1e-9;  // ambiguity: 6.4 sigma; a few frames do not bring that back
+constexpr double kUsableSurprise_px = 12;  // the least margin around the window of a search (detect/detector.cpp)
+constexpr double kSettled = 1e-4;  // weight of the mirror image in a track that has told the two planar solutions apart
+constexpr double kOutOfTheQuestion = 1e-9;  // likewise: 6.4 sigma; a few frames do not bring that back
 constexpr int kMirrorEvery = 4;             // frames: the glance costs a fifth of a followed frame
 // Times the residual of the frame before, and a bit (what one frame's residual scatters by): something else is in
 // sight.
 constexpr double kWorseFit = 1.5, kBit_px = 0.03;
+// Times the 1-sigma of the frame before: the same dots in the same light are as certain, to a third; another reading of
+// them is not.
+constexpr double kLessCertain = 3;
+// From where the track expects the pose: within its uncertainty, and what a head or a robot turns in a frame beyond the
+// motion of the frame before.
+constexpr double kExpectedSigmas = 6, kUnforetoldTurn_rad = 0.03;
 
 // For so long the numbers of a landmark's dots are remembered while it is out of sight: in a second a head or a robot
 // that is out of sight does not roll by more than the 8 degrees at which a forecast is still met (detect/numbering.h).
 constexpr std::chrono::seconds kRemembered{1};
-// Odds of 20 to 1: a track that began with a wrong numbering ends when the camera comes to within 2 degrees of level;
-// one that began level is kept up to a roll of 56 degrees.
+// Odds of 20 to 1: a track that began with a wrong numbering ends some degrees after the camera comes nearer to level
+// than it was; one that began level is kept up to a roll of 46 degrees, with 5 degrees as the roll's sigma.
 constexpr double kRefuted_chi2 = 6;
 
 }  // namespace
@@ -61,12 +68,14 @@ std::optional<LandmarkForecast> Track::remembered(MonoTime time) const noexcept 
   return LandmarkForecast(prior_.T_camera_landmark);
 }
 
+void Track::reset() noexcept { *this = Track(options_); }
+
 bool Track::is_numbering_refuted() const noexcept {
   return has_past_ && numbering_worst_[0] - *std::ranges::min_element(numbering_worst_) > kRefuted_chi2;
 }
 
 void Track::note_numbering() noexcept {
-  const NumberingCosts costs = upright_costs(prior_.T_camera_landmark, options_.landmark, options_.expected_roll_rad);
+  const NumberingCosts costs = upright_costs(prior_.T_camera_landmark, options_.landmark, options_.upright);
   for (std::size_t k = 0; k < costs.size(); ++k)
     numbering_worst_[k] = has_past_ ? std::max(numbering_worst_[k], costs[k]) : costs[k];
   has_past_ = true;
@@ -77,11 +86,19 @@ bool Track::may_follow_outlines() const noexcept {
 }
 
 bool Track::must_look_at_mirror() noexcept {
-  return pose_.ambiguity > kOutOfTheQuestion || ++frames_since_mirror_ >= kMirrorEvery;
+  return mirror_weight_ > kOutOfTheQuestion || ++frames_since_mirror_ >= kMirrorEvery;
 }
 
-bool Track::accepts(const PoseCandidate& followed) const noexcept {
-  return followed.pose.dots_used >= pose_.dots_used && followed.pose.rms_px <= kWorseFit * pose_.rms_px + kBit_px;
+bool Track::accepts(const PoseCandidate& followed, MonoTime exposed_at) const noexcept {
+  const Matrix6d &before = pose_.covariance, &now = followed.pose.covariance;
+  const auto position_variance = [](const Matrix6d& C) { return C.topLeftCorner<3, 3>().trace(); };
+  const auto rotation_variance = [](const Matrix6d& C) { return C.bottomRightCorner<3, 3>().trace(); };
+  const double turn_rad = angle_between_rad(expected_at(exposed_at), followed.pose.T_landmark_camera.inverse());
+  return followed.pose.dots_used >= pose_.dots_used && followed.pose.rms_px <= kWorseFit * pose_.rms_px + kBit_px &&
+         position_variance(now) <= kLessCertain * kLessCertain * position_variance(before) &&
+         rotation_variance(now) <= kLessCertain * kLessCertain * rotation_variance(before) &&
+         turn_rad <=
+             kUnforetoldTurn_rad + kExpectedSigmas * std::sqrt(rotation_variance(before) + rotation_variance(now));
 }
 
 void Track::see(const LandmarkObservation& seen) noexcept {
@@ -105,18 +122,23 @@ std::size_t Track::choose(const PoseCandidates& candidates) const noexcept {
 Result<std::size_t> Track::take(PoseCandidates& candidates, bool mirror_was_looked_at, MonoTime exposed_at) noexcept {
   const std::size_t chosen = choose(candidates);
   PoseCandidate& candidate = candidates.list[chosen];
-  candidate.pose.ambiguity = mirror_was_looked_at ? ambiguity_of(candidates, chosen) : pose_.ambiguity;
   if (!is_publishable(candidate.pose)) {
     lose_pose(true);
     return fail(Errc::kPoseDegenerate, "the pose or its covariance is not finite");
   }
   note_motion(candidate.pose, exposed_at);
   if (!remembered(exposed_at)) has_past_ = false;
+  const ReadingOdds odds =
+      weigh_readings(candidates, chosen, has_past_ ? numbering_worst_ : NumberingCosts{},
+                     mirror_was_looked_at ? 0 : mirror_weight_, options_.landmark, options_.upright);
+  candidate.pose.ambiguity = odds.ambiguity;
+  candidates.rival = odds.rival;
+  mirror_weight_ = odds.mirror_weight;
   has_pose_ = true;
   pose_ = candidate.pose;
   pose_at_ = exposed_at;
   prior_ = {candidate.pose.T_landmark_camera.inverse(), candidate.outlines, candidates.warp_px,
-            candidate.pose.ambiguity < kSettled};
+            mirror_weight_ < kSettled};
   light_smooth_ = candidate.light_smooth;
   note_numbering();
   if (mirror_was_looked_at) frames_since_mirror_ = 0;

@@ -21,7 +21,7 @@ struct TrackOptions {
   double focal_px = 720;  ///< of the camera
   LandmarkGeometry landmark{};
   bool pose_foretells = true;  ///< poses are good enough to say where the outlines will be; else what was seen says it
-  double expected_roll_rad = 0;  ///< of the camera about its optical axis at which P1 is the lowest dot
+  UprightPrior upright{};      ///< how the camera is mounted
 };
 
 /// Memory: none. Threads: one caller.
@@ -48,15 +48,16 @@ class Track {
   /// Whether the mirror image must be looked at when the outlines are followed: one that is out of the question does
   /// not come back within a few frames. Counts the frames.
   bool must_look_at_mirror() noexcept;
-  /// A pose found by following outlines is what the track was after: as many dots, as good a fit.
-  bool accepts(const PoseCandidate& followed) const noexcept;
+  /// A pose found by following outlines is what the track was after: as many dots, as good a fit, as certain, and in
+  /// all six freedoms where the track expects it. \pre prior() (contract)
+  bool accepts(const PoseCandidate& followed, MonoTime exposed_at) const noexcept;
 
   /// The frame shows the landmark, whatever comes of it.
   void see(const LandmarkObservation& seen) noexcept;
   /// Chooses one of the readings: by the picture, and where it can't tell by continuity. What the losers are worth
-  /// stays in its `ambiguity`. \param mirror_was_looked_at  false: what is known of the mirror image is still that of
-  /// the frame before \return  index of the chosen one \error kPoseDegenerate: its numbers are not finite; the track
-  /// has no pose then
+  /// stays in its `ambiguity`, the likeliest of them in `rival`. \param mirror_was_looked_at  false: what is known of
+  /// the mirror image is still that of the frame before \return  index of the chosen one \error kPoseDegenerate: its
+  /// numbers are not finite; the track has no pose then
   Result<std::size_t> take(PoseCandidates& candidates, bool mirror_was_looked_at, MonoTime exposed_at) noexcept;
   /// The landmark is not where it was, and is looked for everywhere: where it is found is no motion.
   void jump() noexcept;
@@ -67,7 +68,7 @@ class Track {
   /// camera that would have to lie on its side was numbered wrongly when the track began.
   bool is_numbering_refuted() const noexcept;
   /// Forgets everything.
-  void reset() noexcept { *this = Track(options_); }
+  void reset() noexcept;
 
  private:
   /// Per second, in the camera frame.
@@ -91,6 +92,7 @@ class Track {
   double surprise_px_ = 0;        // how far the landmark was from where it was expected
   bool has_jumped_ = false;       // it had a pose, and was not where that let expect it
   int frames_since_mirror_ = 0;   // since the mirror image was looked at
+  double mirror_weight_ = 0;      // of the mirror image when it was, see reading_odds.h
 
   /// What speaks against each numbering, k eighths from the one believed: the worst that upright_costs said of it since
   /// the track began. The worst and not the sum: a camera that stands askew for an hour says it once.

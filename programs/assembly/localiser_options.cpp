@@ -19,12 +19,13 @@ LocaliserOptions localiser_options(const Config& config) {
   LocaliserOptions options;
   options.landmark = {config.landmark.ring_radius_mm * kMetresPerMm, config.landmark.dot_diameter_mm / 2 * kMetresPerMm,
                       config.landmark.centre_diameter_mm / 2 * kMetresPerMm};
-  options.detector.expected_roll_rad = config.landmark.expected_roll_deg * kRadPerDeg;
+  options.detector.upright = {config.landmark.expected_roll_deg * kRadPerDeg,
+                              config.landmark.roll_sigma_deg * kRadPerDeg};
   options.solver = config.pose.solver == "ellipse" ? Solver::kEllipse : Solver::kFull;
   const EllipseConfig& e = config.ellipse;
   options.ellipse = {e.kmm_mm_per_px, e.p1, e.p2, e.p3, e.cu, e.cv};
   options.tracking = config.pose.tracking;
-  options.max_ambiguity = config.pose.max_ambiguity;
+  options.trust = {config.pose.max_ambiguity, config.pose.max_sigma_percent / 100};
   if (!config.landmarks.empty()) {
     const MapLandmarkConfig& landmark = config.landmarks.front();
     if (any_code)

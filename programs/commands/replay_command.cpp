@@ -39,7 +39,7 @@ struct ReplayArguments {
 };
 
 struct ReplayCounts {
-  std::uint64_t frames = 0, found = 0, unreadable = 0, dropped = 0;
+  std::uint64_t frames = 0, found = 0, valid = 0, unreadable = 0, dropped = 0;
   std::vector<double> process_us;
 };
 
@@ -114,9 +114,11 @@ class PoseRows {
   PoseRows(const std::string& path, bool tum) : file_(path), tum_(tum) {
     if (!tum_) file_.write(pose_csv_header());
   }
+  /// A trajectory has no column that says what must not be acted on: it holds valid poses alone.
   void add(const Report& report) {
     const WireReport row = wire_report(report);
-    file_.write(tum_ ? format_tum_row(row) : format_pose_csv_row(row));
+    if (!tum_) file_.write(format_pose_csv_row(row));
+    if (tum_ && row.valid) file_.write(format_tum_row(row));
   }
   void finish() { file_.finish(); }
 
@@ -132,8 +134,8 @@ void print_summary(ReplayCounts& counts) {
     std::nth_element(counts.process_us.begin(), middle, counts.process_us.end());
     median_us = *middle;
   }
-  std::string line = fmt::format("{} frames, landmark found in {}, median {:.2f} ms per frame", counts.frames,
-                                 counts.found, median_us / 1000);
+  std::string line = fmt::format("{} frames, landmark found in {}, valid in {}, median {:.2f} ms per frame",
+                                 counts.frames, counts.found, counts.valid, median_us / 1000);
   if (counts.unreadable > 0) line += fmt::format(", {} unreadable left out", counts.unreadable);
   if (counts.dropped > 0) line += fmt::format(", {} dropped", counts.dropped);
   fmt::print(stderr, "{}\n", line);
@@ -190,11 +192,13 @@ void run_replay(const ReplayArguments& arguments) {
     }
     counts.dropped += lease->dropped_before;
     const Frame frame = times.stamped(lease->frame);
-    report = next_report(report, frame, localiser.process(frame), {.now = frame.exposed_at()});
+    const Fix& fix = localiser.process(frame);
+    report = next_report(report, frame, fix, {.now = frame.exposed_at()});
     counts.process_us.push_back(std::chrono::duration<double, std::micro>(report.process_time).count());
-    if (report.valid) {
+    if (!fix.landmarks.empty()) {
       ++counts.found;
-      rows.add(report);
+      if (report.valid) ++counts.valid;
+      rows.add(with_pose_of(report, frame, fix));
     }
     overlay.write(frame, report, localiser.last_observation());
     progress.show(counts.frames);

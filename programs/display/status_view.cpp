@@ -44,7 +44,7 @@ std::string age_text(const RegisterReader& r) {
 
 std::string state_text(const RegisterReader& r) {
   if (!r.status(status_bit::kValid)) return fmt::format("NOT VALID: {}", reason_sentence(r.integer(reg::kReason)));
-  std::string text = r.status(status_bit::kAmbiguous) ? "valid, ambiguous" : "valid";
+  std::string text = "valid";
   if (r.status(status_bit::kTracking)) text += ", tracking";
   if (!r.status(status_bit::kCalibrated)) text += ", camera NOT CALIBRATED";
   if (r.status(status_bit::kHeld)) text += ", held by this client";

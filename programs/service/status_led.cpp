@@ -28,6 +28,9 @@ LedPattern led_pattern_of(const Report& report) noexcept {
       return LedPattern::kNoCamera;
     case Reason::kNoLandmark:
     case Reason::kPoseDegenerate:
+    case Reason::kAmbiguous:
+    case Reason::kUncertain:
+    case Reason::kPoorFit:
     case Reason::kStale:
     case Reason::kHeld:
       return LedPattern::kNoLandmark;

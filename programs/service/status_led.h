@@ -7,7 +7,7 @@ namespace ninedot {
 
 /// The patterns, two seconds long each:
 ///   tracking     lit
-///   no landmark  lit for half of each second
+///   no landmark  lit for half of each second: none in sight, or none whose pose may be acted on
 ///   no camera    two short flashes
 ///   fault        five flashes a second: frames that can't be used, a head that does not answer, or the end of the
 ///   source

@@ -118,7 +118,7 @@ TEST(Detector, NumbersTheRingByTheExpectedRoll) {
   const double roll_rad = 90 * kDegree;
   bool found = false;
   for (const double sign : {1.0, -1.0}) {
-    Detector lying(CameraModel{}, LandmarkGeometry{}, {.expected_roll_rad = sign * roll_rad});
+    Detector lying(CameraModel{}, LandmarkGeometry{}, {.upright = {.expected_roll_rad = sign * roll_rad}});
     const auto right = lying.find_landmarks(picture.view());
     ASSERT_TRUE(right.has_value());
     found =

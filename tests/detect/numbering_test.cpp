@@ -48,14 +48,14 @@ TEST(Numbering, TurnsDotsHomographyAndCostsTogether) {
 TEST(Numbering, CostsAreSquaredRollsOverTheirSigmaAboveTheBest) {
   const LandmarkGeometry landmark;
   const double roll_rad = 10 * kDegree;
-  const NumberingCosts costs = numbering_costs({}, view(roll_rad), landmark, 0);
+  const NumberingCosts costs = numbering_costs({}, view(roll_rad), landmark, {0, 14 * kDegree});
   EXPECT_EQ(costs[0], 0);
   // Seen nearly from in front the neighbours need 45 degrees less or more of roll.
   const double best = std::pow(10.0 / 14, 2);
   const double least = std::pow(35.0 / 14, 2) - best, next = std::pow(55.0 / 14, 2) - best;
   EXPECT_NEAR(std::min(costs[1], costs[7]), least, 0.1);
   EXPECT_NEAR(std::max(costs[1], costs[7]), next, 0.1);
-  const NumberingCosts lying = numbering_costs({}, view(roll_rad), landmark, roll_rad + 45 * kDegree);
+  const NumberingCosts lying = numbering_costs({}, view(roll_rad), landmark, {roll_rad + 45 * kDegree, 14 * kDegree});
   EXPECT_NE(std::min_element(lying.begin(), lying.end()), lying.begin());
 }
 

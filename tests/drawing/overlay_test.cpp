@@ -201,6 +201,7 @@ TEST_F(Overlay, VerdictIsGreenWhenFoundAndAmberWhenAmbiguous) {
   draw(nullptr);
   const std::uint8_t* verdict = at(picture_.width_px - 4, 4);
   EXPECT_TRUE(verdict[1] > 120 && verdict[0] < 60);
+  report_.valid = false;
   report_.ambiguous = true;
   draw(nullptr);
   verdict = at(picture_.width_px - 4, 4);

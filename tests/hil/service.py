@@ -15,12 +15,11 @@ def csv_rows(text):
 
 
 def replay(guest, recording, *options):
-    """Rows of `ninedot replay`, every frame by itself."""
+    """Rows of `ninedot replay`, every frame by itself: those that the service publishes."""
     guest.write("/tmp/replay.toml", "[pose]\ntracking = false")
     command = " ".join(("ninedot replay", recording, "--config /tmp/replay.toml --out /tmp/replay.csv", *options))
-    return csv_rows(
-        guest.check(f"{command} > /tmp/replay.log 2>&1 || {{ cat /tmp/replay.log; exit 1; }}; cat /tmp/replay.csv", 180)
-    )
+    text = guest.check(f"{command} > /tmp/replay.log 2>&1 || {{ cat /tmp/replay.log; exit 1; }}; cat /tmp/replay.csv", 180)
+    return [row for row in csv_rows(text) if row["valid"] == "1"]
 
 
 def nearest_row(rows, registers):

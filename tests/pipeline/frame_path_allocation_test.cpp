@@ -34,7 +34,7 @@ ServoAxes straight_axes() {
 }
 
 struct Outcome {
-  std::uint64_t frames = 0, valid = 0;
+  std::uint64_t frames = 0, found = 0;
 };
 
 Outcome run_and_count(const std::string& recording, Solver solver, bool tracking) {
@@ -57,7 +57,7 @@ Outcome run_and_count(const std::string& recording, Solver solver, bool tracking
       EXPECT_EQ(guard.releases(), 0U) << recording << ", frame " << outcome.frames;
     }
     outcome.frames += loop.frames_processed() - frames_before;
-    if (loop.frames_processed() != frames_before && reports.read().valid) ++outcome.valid;
+    if (loop.frames_processed() != frames_before && reports.read().found) ++outcome.found;
   }
   return outcome;
 }
@@ -73,7 +73,7 @@ TEST(FramePath, AllocatesNothingOverEveryBundledRecordingWithBothSolvers) {
         EXPECT_GT(outcome.frames, 0U);
         // A path that never finds anything would not be the path that matters.
         const bool shows_the_landmark = recording.find("approach") != std::string::npos;
-        EXPECT_TRUE(!shows_the_landmark || outcome.valid > outcome.frames / 2) << outcome.valid;
+        EXPECT_TRUE(!shows_the_landmark || outcome.found > outcome.frames / 2) << outcome.found;
       }
 }
 

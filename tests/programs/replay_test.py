@@ -45,7 +45,7 @@ class Replay(unittest.TestCase):
         self.assertGreater(len(without_times(first.stdout)), 10)
         self.assertEqual(without_times(first.stdout), without_times((self.folder / "poses.csv").read_text()))
         self.assertEqual(second.stdout, "")
-        self.assertRegex(second.stderr, r"^22 frames, landmark found in \d+, median \d+\.\d+ ms per frame\n$")
+        self.assertRegex(second.stderr, r"^22 frames, landmark found in \d+, valid in \d+, median \d+\.\d+ ms per frame\n$")
         self.assertEqual([path.name for path in self.folder.iterdir()], ["poses.csv"])
 
     def test_tum_rows_carry_seconds_and_metres(self):

@@ -11,6 +11,7 @@ namespace {
 WireReport known_report() {
   WireReport report;
   report.valid = report.found = report.has_pose = true;
+  report.reason = Reason::kNone;
   report.frame_number = 17;
   report.exposed_at = mono_from_ns(485'714'286);
   report.landmark_id = 3;
@@ -34,7 +35,21 @@ TEST(PoseCsv, WritesTheBytesOfOneKnownReport) {
   EXPECT_EQ(format_pose_csv_row(known_report()),
             "17,485714286,3,123.456789,1500.000000,0.000000,0.500000000,-0.500000000,0.500000000,-0.500000000,"
             "30.000000,45.000000,-90.000000,1505.072000,1.000000,2.000000,3.000000,0.171887,0.250000,0.062500,8,1,"
-            "ellipse,812.3\n");
+            "ellipse,812.3,1,0,0.000000,,,,,,,\n");
+}
+
+TEST(PoseCsv, SaysOfAFoundLandmarkThatIsNotValidWhyAndWhatElseItMayBe) {
+  WireReport report = known_report();
+  report.valid = false;
+  report.reason = Reason::kAmbiguous;
+  report.rival_odds = 0.25;
+  report.rival_in_landmark = {{1, 2, 3}, {1, 0, 0, 0}};
+  const std::string row = format_pose_csv_row(report);
+  EXPECT_TRUE(
+      row.ends_with(",812.3,0,10,0.250000,1.000000,2.000000,3.000000,1.000000000,0.000000000,0.000000000,"
+                    "0.000000000\n"))
+      << row;
+  EXPECT_EQ(std::ranges::count(row, ','), std::ranges::count(pose_csv_header(), ','));
 }
 
 TEST(PoseCsv, HasAsManyFieldsInARowAsInItsHeader) {
@@ -63,7 +78,9 @@ TEST(PoseCsv, WritesTheTumTrajectoryFormat) {
             "0.485714286 0.123456789 1.500000000 0.000000000 -0.500000000 0.500000000 -0.500000000 0.500000000\n");
 }
 
-TEST(PoseCsvDeathTest, RefusesAReportWithoutAPose) { EXPECT_DEATH(format_pose_csv_row(WireReport{}), "report.valid"); }
+TEST(PoseCsvDeathTest, RefusesAReportWithoutAPose) {
+  EXPECT_DEATH(format_pose_csv_row(WireReport{}), "report.has_pose");
+}
 
 }  // namespace
 }  // namespace ninedot

@@ -1,0 +1,18 @@
+#pragma once
+/// Whether a pose may be acted on.
+#include "base/reason.h"
+#include "pose/estimate.h"
+
+namespace ninedot {
+
+struct TrustLimits {
+  double max_ambiguity = 0.01;    ///< odds of another reading of the picture, 0..1
+  double max_sigma_share = 0.03;  ///< 1-sigma of the position, all axes together, of the distance, 0..1
+};
+
+/// \param fits_picture  the picture's grey levels agree with it (pose_of_outlines.h)
+/// \return  kNone: yes; kPoorFit, kAmbiguous, kUncertain: why not, the first that holds
+/// Memory: none. Threads: pure.
+Reason verdict_on(const PoseEstimate& pose, bool fits_picture, const TrustLimits& limits) noexcept;
+
+}  // namespace ninedot
