@@ -28,10 +28,15 @@ constexpr double kRounding_lsb2 = 1.0 / 12;  // of a picture without noise: whol
 // less, and look-alikes in photographs an eighth of the contrast at least.
 constexpr std::array<double, kDotCount + 1> kFitContrast{0.02, 0.02, 0.02, 0.02, 0.02, 0.02, 0.03, 0.06, 0.08, 0.10};
 
-// Of a dot's radius: how far the outlines of a print may lie from where they should, root mean square; with six dots
-// and less half of that, for they follow a wrong pose more easily. And the pixels by which a blurred one is moved.
-constexpr double kPrintMisfit = 0.12, kFewDotsMisfit = 0.06, kPrintMisfit_px = 0.03;
+// Of a dot's radius: how far the outlines of a print may lie from where they should, root mean square, by how many dots
+// the pose rests on. Sheets behind plastic bend by as much. With half of the dots a wrong pose follows all but a
+// print's flatness: 26 such poses (50 % hidden) lay off by 0.06 to 0.23 px, true ones by 0.004 to 0.04 px in nine of
+// ten.
+constexpr std::array<double, kDotCount + 1> kPrintMisfit{0, 0, 0, 0, 0, 0, 0, 0.05, 0.08, 0.12};
+constexpr double kPrintMisfit_px = 0.03;
 constexpr int kFewDots = 6;
+constexpr double kFewDotsMisfit = 0.002;  // of a dot's radius, beside kPrintMisfit_px
+constexpr double kNoiseMisfit_px = 0.8;   // times residual over contrast: an outline's shift by noise
 // Common offset of all outlines, in sigmas of the blur: sRGB moves a blurred edge by 0.47 of them, whatever the blur
 // (0.5 to 1.9 px, rendered); more is another size of dots.
 constexpr double kMostOffset = 0.6, kMostOffset_px = 0.1;
@@ -109,9 +114,10 @@ bool fits_picture(const PoseCandidate& candidate, const PictureNoise& noise) noe
   const double noise_lsb2 = 0.5 * (of_paper * of_paper + of_ink * of_ink) + kRounding_lsb2;
   const auto dots = static_cast<std::size_t>(std::clamp<int>(candidate.pose.dots_used, 0, kDotCount));
   const double light_lsb = kFitContrast[dots] * fit.contrast_lsb;
-  const double dot_px = candidate.dot_radius_px;
-  const double misfit = candidate.pose.dots_used <= kFewDots ? kFewDotsMisfit : kPrintMisfit;
-  if (candidate.pose.rms_px > misfit * dot_px + kPrintMisfit_px) return false;
+  double misfit_px = kPrintMisfit[dots] * candidate.dot_radius_px + kPrintMisfit_px;
+  if (candidate.pose.dots_used <= kFewDots)
+    misfit_px += kFewDotsMisfit * candidate.dot_radius_px + kNoiseMisfit_px * fit.residual_lsb / fit.contrast_lsb;
+  if (!(candidate.pose.rms_px <= misfit_px)) return false;
   const double blur_px = std::sqrt(std::max(candidate.outlines.blur_px2, 0.0));
   if (!(std::abs(candidate.outlines.offset_px) <= kMostOffset * blur_px + kMostOffset_px)) return false;
   if (!is_plausibly_hidden(candidate.visible_share)) return false;
