@@ -132,7 +132,8 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
   noise_ = PictureNoise(frame.luma);
   misfit_.reset();
 
-  if (track_.is_numbering_refuted()) track_.reset();
+  // Without tracking a frame's answer depends on that frame alone.
+  if (!options_.tracking || track_.is_numbering_refuted()) track_.reset();
   const bool has_track = options_.tracking && track_.has_sighting();
   Result<std::size_t> chosen = fail(Errc::kNoLandmark, "there is no track");
   if (has_track) chosen = follow_outlines(frame);

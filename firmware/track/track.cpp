@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "base/contract.h"
 #include "pose/mirror_image.h"
@@ -34,6 +35,15 @@ constexpr std::chrono::seconds kRemembered{1};
 // Odds of 20 to 1: a track that began with a wrong numbering ends some degrees after the camera comes nearer to level
 // than it was; one that began level is kept up to a roll of 46 degrees, with 5 degrees as the roll's sigma.
 constexpr double kRefuted_chi2 = 6;
+// A turn in the sheet's own plane by more than half an eighth: what the track's way said of its numbers says nothing of
+// these.
+constexpr double kOtherNumbers_rad = std::numbers::pi / 8;
+
+/// Of `now` against `before`, about the sheet's normal.
+double turn_in_plane_rad(const CameraFromLandmark& before, const CameraFromLandmark& now) noexcept {
+  const Eigen::Matrix3d turn = before.rotation.transpose() * now.rotation;
+  return std::atan2(turn(0, 2) - turn(2, 0), turn(0, 0) + turn(2, 2));
+}
 
 }  // namespace
 
@@ -127,7 +137,9 @@ Result<std::size_t> Track::take(PoseCandidates& candidates, bool mirror_was_look
     return fail(Errc::kPoseDegenerate, "the pose or its covariance is not finite");
   }
   note_motion(candidate.pose, exposed_at);
-  if (!remembered(exposed_at)) has_past_ = false;
+  const CameraFromLandmark now = candidate.pose.T_landmark_camera.inverse();
+  if (!remembered(exposed_at) || std::abs(turn_in_plane_rad(prior_.T_camera_landmark, now)) > kOtherNumbers_rad)
+    has_past_ = false;
   const ReadingOdds odds =
       weigh_readings(candidates, chosen, has_past_ ? numbering_worst_ : NumberingCosts{},
                      mirror_was_looked_at ? 0 : mirror_weight_, options_.landmark, options_.upright);
@@ -137,8 +149,7 @@ Result<std::size_t> Track::take(PoseCandidates& candidates, bool mirror_was_look
   has_pose_ = true;
   pose_ = candidate.pose;
   pose_at_ = exposed_at;
-  prior_ = {candidate.pose.T_landmark_camera.inverse(), candidate.outlines, candidates.warp_px,
-            mirror_weight_ < kSettled};
+  prior_ = {now, candidate.outlines, candidates.warp_px, mirror_weight_ < kSettled};
   light_smooth_ = candidate.light_smooth;
   note_numbering();
   if (mirror_was_looked_at) frames_since_mirror_ = 0;

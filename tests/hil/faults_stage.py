@@ -271,6 +271,25 @@ class FaultsStage:
             watch.back_at - plugged,
         )
 
+    def late(self, service):
+        """The service was started without its camera: it is up, says so, and uses the camera when it comes."""
+        watch = Watch(service)
+        until = time.monotonic() + 5
+        watch.until(lambda registers: registers.reason == REASON_CAMERA_LOST, "started without a camera: camera lost")
+        watch.until(lambda _: time.monotonic() > until, "")
+        stays_lost = watch.last.reason == REASON_CAMERA_LOST and not watch.last.valid
+        plugged = time.monotonic()
+        watch.during(f"ln -sfn {CAPTURE} {CAMERA}", self.guest)
+        watch.until(lambda registers: registers.valid, "camera plugged in: valid")
+        self.note(
+            "late",
+            "no camera when the service starts, plugged in after 5 s",
+            stays_lost,
+            "camera lost (4) from the start",
+            watch,
+            watch.back_at - plugged,
+        )
+
     def signals(self, service):
         for choice, check, title in ((2, "no-lock", "no lock"), (3, "out-of-range", "signal out of range")):
             self.lost_and_back(
@@ -327,7 +346,9 @@ class FaultsStage:
     def run(self):
         config = camera_config(stall_frames=STALL_FRAMES).replace(f'"{CAPTURE}"', f'"{CAMERA}"')
         service = GuestService(self.guest, config)
+        self.guest.check(f"rm {CAMERA}")
         with service:
+            self.late(service)
             self.shortest(service)
             if not self.stage.smoke:
                 for group in (self.signals, self.drops, self.refused_calls, self.lost_buffers, self.busy, self.wraps):
@@ -337,7 +358,7 @@ class FaultsStage:
         self.stage.table("Faults", ("fault", "seen", "frames again", "restarts", "failed", "dropped"), self.rows)
 
 
-SMOKE_CHECKS = ("fatal", "flagged", "disconnect", "no-signal", "unplugged", "ends")
+SMOKE_CHECKS = ("late", "fatal", "flagged", "disconnect", "no-signal", "unplugged", "ends")
 CHECKS = SMOKE_CHECKS + (
     "no-lock",
     "out-of-range",

@@ -91,7 +91,7 @@ TEST(Localiser, FollowsAMovingLandmarkAsWellAsItFindsIt) {
     test::Scene scene;
     scene.camera = test::look_at_landmark({.distance_m = 1.5 - 0.01 * i,
                                            .tilt_rad = 25 * kRadPerDeg + 0.002 * i,
-                                           .roll_rad = 0.05 - 0.001 * i * i,
+                                           .roll_rad = 0.05 - 0.0008 * i * i,
                                            .off_axis_x_rad = 0.004 * i});
     set_noise(scene.sensor, 1.5);
     const test::Picture picture = test::render(scene, static_cast<std::uint64_t>(i));

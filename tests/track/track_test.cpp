@@ -179,6 +179,21 @@ TEST(Track, KeepsItsNumberingThroughARollAndAMomentOutOfSight) {
   EXPECT_FALSE(track.remembered(MonoTime(3s + 500ms)).has_value()) << "too long ago";
 }
 
+TEST(Track, WhatItsWaySaidOfItsNumbersSaysNothingOfALandmarkThatJumpedToOthers) {
+  const auto ambiguity = [](Track& track, double roll_deg, MonoTime at) {
+    PoseCandidates one = readings({reading(rolled(roll_deg))});
+    track.see({});
+    EXPECT_TRUE(track.take(one, true, at).has_value());
+    return one.list[0].pose.ambiguity;
+  };
+  Track track({.focal_px = kFocal_px}), fresh({.focal_px = kFocal_px});
+  ambiguity(track, 0, MonoTime(1s));
+  EXPECT_LT(ambiguity(track, 19, MonoTime(1s + 20ms)), 1e-3) << "the track was level: it has rolled";
+  EXPECT_NEAR(ambiguity(track, -19, MonoTime(1s + 40ms)), ambiguity(fresh, -19, MonoTime(1s)), 1e-9)
+      << "by 38 degrees in a frame: no roll";
+  EXPECT_GT(ambiguity(fresh, -19, MonoTime(1s)), 1e-3);
+}
+
 TEST(Track, EndsWhenItsNumberingWasWrongFromTheStart) {
   // At 25 degrees of roll the neighbouring numbering looks like 20 degrees the other way, and was believed.
   Track track({.focal_px = kFocal_px});
