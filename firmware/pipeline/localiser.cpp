@@ -102,7 +102,7 @@ Result<std::size_t> Localiser::solve(const Frame& frame, const LandmarkObservati
   // The closed form looks at centres alone: whether there are outlines of a landmark is asked of the picture apart.
   const Result<PoseCandidate> examined = full ? best : full_.examine(frame.luma, best.pose.T_landmark_camera.inverse());
   if (!examined || !fits_picture(*examined, noise_)) {
-    if (!misfit_) misfit_ = candidates_;
+    if (!misfit_ && is_publishable(best.pose)) misfit_ = candidates_;
     return fail(Errc::kNoLandmark, "the picture does not fit a landmark");
   }
   track_.see(seen);
