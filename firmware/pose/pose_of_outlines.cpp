@@ -38,8 +38,8 @@ constexpr int kFewDots = 6;
 constexpr double kFewDotsMisfit = 0.002;  // of a dot's radius, beside kPrintMisfit_px
 constexpr double kNoiseMisfit_px = 0.8;   // times residual over contrast: an outline's shift by noise
 // Common offset of all outlines, in sigmas of the blur: sRGB moves a blurred edge by 0.47 of them, whatever the blur
-// (0.5 to 1.9 px, rendered); more is another size of dots.
-constexpr double kMostOffset = 0.6, kMostOffset_px = 0.1;
+// (0.5 to 1.9 px, rendered); more is another size of dots. Inwards clipped paper moves them as well, twice as far.
+constexpr double kMostOffset = 0.6, kMostInwards = 1.2, kMostOffset_px = 0.1;
 // Of P9's outline. A straight edge that leaves five ring dots leaves two thirds of P9's outline, one that leaves four a
 // quarter: half of that, for the dots beside the edge count as whole when they are not quite.
 constexpr double kCentreBesideFive = 0.33, kCentreBesideFour = 0.12;
@@ -119,7 +119,9 @@ bool fits_picture(const PoseCandidate& candidate, const PictureNoise& noise) noe
     misfit_px += kFewDotsMisfit * candidate.dot_radius_px + kNoiseMisfit_px * fit.residual_lsb / fit.contrast_lsb;
   if (!(candidate.pose.rms_px <= misfit_px)) return false;
   const double blur_px = std::sqrt(std::max(candidate.outlines.blur_px2, 0.0));
-  if (!(std::abs(candidate.outlines.offset_px) <= kMostOffset * blur_px + kMostOffset_px)) return false;
+  const double offset_px = candidate.outlines.offset_px;
+  const double most_px = (offset_px < 0 ? kMostInwards : kMostOffset) * blur_px + kMostOffset_px;
+  if (!(std::abs(offset_px) <= most_px)) return false;
   if (!is_plausibly_hidden(candidate.visible_share)) return false;
   return fit.residual_lsb <= kMostResidual * fit.contrast_lsb &&
          fit.residual_lsb * fit.residual_lsb <= kFitNoise * kFitNoise * noise_lsb2 + light_lsb * light_lsb;
