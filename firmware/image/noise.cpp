@@ -74,7 +74,9 @@ PictureNoise::PictureNoise(const ImageView& in) noexcept {
 }
 
 double PictureNoise::at(double grey_lsb) const noexcept {
-  const double index = std::clamp(grey_lsb * kClasses / 256, 0.0, static_cast<double>(kClasses - 1));
+  // Every comparison with what is not a number is false: such a grey level is the darkest.
+  const double last = static_cast<double>(kClasses - 1), wanted = grey_lsb * kClasses / 256;
+  const double index = wanted > 0 ? std::min(wanted, last) : 0;
   return class_lsb_[static_cast<std::size_t>(index)];
 }
 

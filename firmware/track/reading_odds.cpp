@@ -8,6 +8,7 @@
 namespace ninedot {
 namespace {
 
+constexpr double kCertain_log = 300;   // of odds: what is more, the other way, would be no finite number
 constexpr double kWithin_chi2 = 12.6;  // of six freedoms: 95 % of what the covariance allows
 
 bool is_within_covariance(const PoseEstimate& chosen, const PoseEstimate& other) noexcept {
@@ -50,7 +51,7 @@ ReadingOdds weigh_readings(const PoseCandidates& candidates, std::size_t chosen,
     const NumberingCosts costs = numbering_of(candidate);
     for (std::size_t k = 0; k < costs.size(); ++k) {
       if (is_own && k == 0) continue;
-      const double weight = std::exp(-0.5 * (side_chi2 + costs[k] - own_cost));
+      const double weight = std::exp(std::min(-0.5 * (side_chi2 + costs[k] - own_cost), kCertain_log));
       others += weight;
       if (!is_own && k == 0) odds.mirror_weight = weight;
       if (weight <= likeliest) continue;

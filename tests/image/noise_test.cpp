@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/image/noise_picture.h"
 
 namespace ninedot {
@@ -43,6 +45,7 @@ TEST(PictureNoise, GrowsWithBrightnessAsThePictureDoes) {
   EXPECT_LT(noise.overall_lsb(), noise.at(208));
   EXPECT_EQ(noise.at(-10), noise.at(5));
   EXPECT_EQ(noise.at(300), noise.at(250));
+  EXPECT_EQ(noise.at(std::nan("")), noise.at(0));
 }
 
 }  // namespace

@@ -87,6 +87,13 @@ TEST(ReadingOdds, WhatATracksWayHasExcludedStaysExcluded) {
   EXPECT_LT(weigh({rolled}, {}, began_level).ambiguity, 1e-6);
 }
 
+TEST(ReadingOdds, AreNumbersHoweverSureTheMountIsAndHoweverWrong) {
+  const ReadingOdds odds = weigh({reading(sheet_at(kLean_rad, 1.4))}, {0, 0.1 * kRadPerDeg});
+  EXPECT_NEAR(odds.ambiguity, 1, 1e-9);
+  ASSERT_TRUE(odds.rival.has_value());
+  EXPECT_TRUE(odds.rival->odds > 0.1 && odds.rival->odds <= 1) << odds.rival->odds;
+}
+
 TEST(ReadingOdds, WhatWasNotLookedAtKeepsItsWeight) {
   const ReadingOdds odds = weigh({reading(sheet_at(kLean_rad, 0))}, {}, {}, 0.02);
   EXPECT_NEAR(odds.ambiguity, 0.02 / 1.02, 1e-9);
