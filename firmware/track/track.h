@@ -48,8 +48,8 @@ class Track {
   /// Whether the mirror image must be looked at when the outlines are followed: one that is out of the question does
   /// not come back within a few frames. Counts the frames.
   bool must_look_at_mirror() noexcept;
-  /// A pose found by following outlines is what the track was after: as many dots, as good a fit, as certain, and in
-  /// all six freedoms where the track expects it. \pre prior() (contract)
+  /// A pose found by following outlines is what the track was after: as many dots, as good a fit, as certain, and
+  /// turned as the track expects it; where it is in the picture the solver has asked. \pre prior() (contract)
   bool accepts(const PoseCandidate& followed, MonoTime exposed_at) const noexcept;
 
   /// The frame shows the landmark, whatever comes of it.
