@@ -2,7 +2,6 @@
 /// What a pose solver answers.
 #include <Eigen/Core>
 #include <array>
-#include <cmath>
 #include <optional>
 
 #include "base/inline_vector.h"
@@ -84,17 +83,6 @@ struct PoseCandidates {
 
 /// Difference of chi^2 below which the picture can't tell two readings apart: 3 sigma. [1]
 inline constexpr double kUndecided_chi2 = 9;
-
-/// The odds, 0..1, that another reading than the chosen one is right, by the picture alone: exp(-chi^2 / 2) of their
-/// difference; 0 where there is no other. \param chosen  index of the chosen one in the list
-inline double ambiguity_of(const PoseCandidates& candidates, std::size_t chosen) noexcept {
-  double ambiguity = 0;
-  for (std::size_t i = 0; i < candidates.list.size(); ++i)
-    if (i != chosen)
-      ambiguity = std::fmax(
-          ambiguity, std::exp(-0.5 * std::abs(candidates.list[i].chi2_above - candidates.list[chosen].chi2_above)));
-  return ambiguity;
-}
 
 /// A dot counts as used from this visible share of its outline on: a third of an outline still fixes its place across
 /// two directions.
