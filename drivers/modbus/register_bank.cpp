@@ -38,6 +38,7 @@ void RegisterBank::add_own_metrics(MonoTime now, MetricValues& metrics) const no
   const auto count = [](const std::atomic<std::uint64_t>& counter) {
     return static_cast<double>(counter.load(std::memory_order_relaxed));
   };
+  metrics[MetricId::kSerialOpen] = counters.serial_open.load(std::memory_order_acquire) ? 1 : 0;
   metrics[MetricId::kConnectedClients] = connected_clients(now);
   metrics[MetricId::kBusErrors] = count(counters.bus_errors);
   metrics[MetricId::kExceptions] = count(counters.exceptions);
@@ -47,7 +48,6 @@ void RegisterBank::add_own_metrics(MonoTime now, MetricValues& metrics) const no
   metrics[MetricId::kConnectionsExpired] = count(counters.connections_expired);
   metrics[MetricId::kForeignFrames] = count(counters.foreign_frames);
   metrics[MetricId::kSerialLosses] = count(counters.serial_losses);
-  metrics[MetricId::kSerialOpen] = counters.serial_open.load(std::memory_order_relaxed) ? 1 : 0;
 }
 
 void RegisterBank::release_expired_hold(ClientSession& session) const noexcept {

@@ -32,7 +32,7 @@ struct ClientSession {
 };
 
 /// What each one means: proto/metrics.h. Threads: the servers' count, any reads; each one is right by itself, and two
-/// of them need not be of the same moment.
+/// of them need not be of the same moment, but that whoever first sees the serial line closed finds its loss counted.
 struct BankCounters {
   std::atomic<std::uint64_t> requests{0}, exceptions{0}, bus_errors{0};
   std::atomic<std::uint64_t> connections{0}, connections_refused{0}, connections_expired{0};

@@ -115,8 +115,8 @@ RtuServer::~RtuServer() {
 
 void RtuServer::take_over_line() noexcept {
   fd_ = modbus_get_socket(line_.get());
-  bank_.counters.serial_open = true;
   problem_.set("");
+  bank_.counters.serial_open.store(true, std::memory_order_release);
 }
 
 void RtuServer::note_absent(int error) {
@@ -131,10 +131,11 @@ void RtuServer::run() noexcept {
   for (;;) {
     if (!line_ && !reopen()) return;
     if (serve_until_lost() == LineState::kStopping) return;
-    bank_.counters.serial_open = false;
     problem_.set(options_.device + ": the line is gone");
     bank_.counters.serial_losses.fetch_add(1, std::memory_order_relaxed);
     bank_.counters.bus_errors.fetch_add(1, std::memory_order_relaxed);
+    // Last: whoever sees that the line is closed finds the loss counted and its reason given.
+    bank_.counters.serial_open.store(false, std::memory_order_release);
     bank_.client_left(session_);
     session_ = {};
     receiver_.give_up();

@@ -17,6 +17,7 @@ std::vector<ConnectedClient> ModbusServer::clients() const {
 ModbusCounters ModbusServer::counters() const noexcept {
   const BankCounters& from = bank_.counters;
   ModbusCounters counters;
+  counters.serial_open = from.serial_open.load(std::memory_order_acquire);
   counters.requests = from.requests.load(std::memory_order_relaxed);
   counters.exceptions = from.exceptions.load(std::memory_order_relaxed);
   counters.bus_errors = from.bus_errors.load(std::memory_order_relaxed);
@@ -26,7 +27,6 @@ ModbusCounters ModbusServer::counters() const noexcept {
   counters.unreadable_frames = from.unreadable_frames.load(std::memory_order_relaxed);
   counters.foreign_frames = from.foreign_frames.load(std::memory_order_relaxed);
   counters.serial_losses = from.serial_losses.load(std::memory_order_relaxed);
-  counters.serial_open = from.serial_open.load(std::memory_order_relaxed);
   return counters;
 }
 

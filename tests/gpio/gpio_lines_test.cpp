@@ -189,7 +189,8 @@ TEST(InhibitInput, InhibitsWhenItHasNoDescriptorToWatch) {
 TEST(InhibitInput, InhibitsWhenThePollFails) {
   Wire wire;
   const InhibitInput input(opener(wire), kSoon);
-  EXPECT_FALSE(input.is_active());
+  // Asked as it will be asked below: a sanitizer that meets a class for the first time needs descriptors for it.
+  EXPECT_TRUE(becomes(input, false));
   // More descriptors than the limit allows: poll() fails with EINVAL, whatever they are.
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
