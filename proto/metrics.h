@@ -49,6 +49,7 @@ enum class MetricId : std::uint8_t {
   kBlobsCut,
   kHypothesesCut,
   kNeighboursCut,
+  kFramesCut,
   kCount,
 };
 inline constexpr std::size_t kMetricCount = static_cast<std::size_t>(MetricId::kCount);
@@ -106,6 +107,7 @@ inline constexpr auto kMetrics = [] {
   {Id::kBlobsCut,          "blobs_cut",           "",     kCounter, 110,     kCounter32, 1,   "detector",       "search",  "{} blob(s) cut", 0, false, "the same for dark spots"},
   {Id::kHypothesesCut,     "hypotheses_cut",      "",     kCounter, 112,     kCounter32, 1,   "detector",       "search",  "{} hypotheses cut", 0, false, "the same for groups of dots that might be a landmark"},
   {Id::kNeighboursCut,     "neighbours_cut",      "",     kCounter, 114,     kCounter32, 1,   "detector",       "search",  "{} neighbour(s) cut", 0, false, "the same for dots near a dot"},
+  {Id::kFramesCut,         "frames_cut",          "",     kCounter, 116,     kCounter32, 1,   "detector",       "search",  "{} frame(s) searched in part", 0, false, "frames that held more than is searched in one: the next one's search went on with it"},
   });
 }();
 // clang-format on

@@ -22,6 +22,7 @@ enum class Reason : std::uint16_t {
   kAmbiguous = 10,
   kUncertain = 11,
   kPoorFit = 12,
+  kCrowded = 13,
 };
 
 struct ReasonWords {
@@ -48,6 +49,9 @@ inline constexpr auto kReasons = std::to_array<ReasonWords>({
     {Reason::kUncertain, "a landmark was seen, but its pose is too uncertain", "its pose is too uncertain"},
     {Reason::kPoorFit, "something like a landmark was seen, but the picture does not fit one",
      "the picture does not fit a landmark"},
+    {Reason::kCrowded,
+     "no landmark yet: the picture holds more than is searched in one frame, the next goes on with it",
+     "too much to search in one frame"},
 });
 
 namespace detail {

@@ -17,9 +17,8 @@ struct Blob {
   bool is_finite() const noexcept;
 };
 
-/// Recordings with a landmark had none cut where they were searched. All four levels of a room at once have 500 to more
-/// than 1000 (counted over ten recordings); then the finest, smallest spots are what is left out.
-inline constexpr std::size_t kMaxBlobs = 1024;
+/// All four levels of a room at once have 500 to more than 1000 (counted over ten recordings).
+inline constexpr std::size_t kMaxBlobs = 2048;
 using BlobList = InlineVector<Blob, kMaxBlobs>;
 
 }  // namespace ninedot

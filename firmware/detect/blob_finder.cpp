@@ -44,45 +44,55 @@ BlobFinder::BlobFinder(int width_px, int height_px)
               ImageBuffer(std::max(width_px / 16, 1), std::max(height_px / 16, 1))},
       threshold_(std::max(width_px / 2, 1), std::max(height_px / 2, 1)),
       regions_(width_px, height_px),
-      coarser_(width_px, height_px) {}
+      coarser_(width_px, height_px),
+      width_px_(width_px),
+      height_px_(height_px) {}
 
-void BlobFinder::find_blobs(const ImageView& luma, Levels wanted, BlobList& blobs) noexcept {
+void BlobFinder::find_blobs(const ImageView& luma, Levels wanted, BlobList& blobs, WorkBudget& budget) noexcept {
   EXPECTS(wanted.first >= 0 && wanted.first <= wanted.last && wanted.last < kLevels);
   blobs.clear();
   noise_lsb_ = estimate_noise_lsb(luma);
   for (int i = 0; i <= wanted.last; ++i) halve(i == 0 ? luma : levels_[i - 1].view(), levels_[i]);
   searched_ = wanted;
-  for (int level = wanted.last; level >= wanted.first; --level) search_level(luma, level, blobs);
+  for (int level = wanted.last; level >= wanted.first; --level) search_level(luma, level, blobs, budget);
 }
 
-void BlobFinder::add_finer_level(const ImageView& luma, BlobList& blobs) noexcept {
+void BlobFinder::add_finer_level(const ImageView& luma, BlobList& blobs, WorkBudget& budget) noexcept {
   EXPECTS(searched_.first > 0);
-  search_level(luma, --searched_.first, blobs);
+  search_level(luma, --searched_.first, blobs, budget);
 }
 
-void BlobFinder::search_level(const ImageView& luma, int level, BlobList& blobs) noexcept {
+void BlobFinder::search_level(const ImageView& luma, int level, BlobList& blobs, WorkBudget& budget) noexcept {
+  constexpr int kOverlap = 8;  // of the picture's height: rows searched again, so that no dot lies on a seam
   const ImageView picture = level == 0 ? luma : levels_[level - 1].view();
   if (levels_[level].width_px() < 2 || levels_[level].height_px() < 2) return;
   const double level_noise_lsb = noise_lsb_ / (1 << level);
   const int min_contrast = std::max(kMinContrast_lsb, static_cast<int>(kContrastPerNoise * level_noise_lsb));
   const ImageBuffer& threshold = threshold_.compute(levels_[level].view(), min_contrast);
-  collect(picture, regions_.find(picture, threshold, {kMinArea_px2, kMaxSide_px}), level, blobs);
+  const bool is_whole = luma.width_px == width_px_ && luma.height_px == height_px_;
+  Begin once;
+  Begin& begin = is_whole ? begin_[static_cast<std::size_t>(level)] : once;
+  const auto regions = regions_.find(picture, threshold, {kMinArea_px2, kMaxSide_px}, begin.row);
+  const bool is_cut = regions_.cut_from_row() < picture.height_px;
+  if (is_cut || begin.row > 0) budget.is_overdrawn = true;
+  begin.row = is_cut ? std::max(regions_.cut_from_row() - picture.height_px / kOverlap, 0) : 0;
+  const auto collect_all = [&](int& allowance) {
+    return collect(picture, regions, level, allowance, begin.region, blobs);
+  };
+  const bool got_through = level == 0 ? collect_all(budget.regions) : with_half(budget.regions, collect_all);
+  budget.is_overdrawn |= !got_through;
 }
 
-void BlobFinder::collect(const ImageView& picture, std::span<const Region> regions, int level,
-                         BlobList& blobs) noexcept {
-  // Squared distance of two centroids, in areas of the coarser blob: 0.3 of a disc's radius. Two dots cannot be so
-  // close.
-  constexpr float kSamePlace = 0.03F;
-  // Ratio of two areas: below the 4 between P9 and a dot of the ring.
-  constexpr float kSameSize = 2.5F;
+/// \return  whether all had room; else begin_at is the first that had none
+bool BlobFinder::collect(const ImageView& picture, std::span<const Region> regions, int level, int& allowance,
+                         std::size_t& begin_at, BlobList& blobs) noexcept {
   const auto scale = static_cast<double>(1 << level);
   const double noise_lsb = noise_lsb_ / scale;
   coarser_.build(blobs.span());
-  bool any_replaced = false;
-  for (const Region& region : regions) {
+  const std::size_t done = go_round(regions.size(), begin_at, [&](std::size_t i) {
+    if (!take_one(allowance)) return false;
     Moments m;
-    if (!measure_blob(picture, region, noise_lsb, m)) continue;
+    if (!measure_blob(picture, regions[i], noise_lsb, m)) return true;
     const Blob blob{static_cast<float>((m.x_px + 0.5) * scale - 0.5),
                     static_cast<float>((m.y_px + 0.5) * scale - 0.5),
                     static_cast<float>(m.area_px2 * scale * scale),
@@ -90,32 +100,37 @@ void BlobFinder::collect(const ImageView& picture, std::span<const Region> regio
                     static_cast<float>(m.xy_px2 * scale * scale),
                     static_cast<float>(m.yy_px2 * scale * scale),
                     level};
-    if (!blob.is_finite()) continue;
-    // The same dot, seen one or more levels up: the finest one replaces them all.
-    Blob* place = nullptr;
-    const float reach_px = std::sqrt(kSamePlace * kSameSize * blob.area_px2);
-    coarser_.for_each_near(blob.x_px, blob.y_px, reach_px, [&](std::size_t i) {
-      Blob& other = blobs[i];
-      const float dx = other.x_px - blob.x_px, dy = other.y_px - blob.y_px;
-      const bool same = other.level > level && dx * dx + dy * dy < kSamePlace * other.area_px2 &&
-                        blob.area_px2 * kSameSize > other.area_px2 && blob.area_px2 < kSameSize * other.area_px2;
-      if (!same) return;
-      if (place == nullptr) {
-        place = &other;
-      } else {
-        other.area_px2 = 0;
-        any_replaced = true;
-      }
-    });
-    if (place != nullptr) {
-      *place = blob;
-    } else if (!blobs.try_push_back(blob)) {
-      ++blobs_cut_;
-    }
-  }
-  if (!any_replaced) return;
+    return !blob.is_finite() || add_blob(blob, blobs);
+  });
+  blobs_cut_ += static_cast<std::uint32_t>(regions.size() - done);
   const Blob* end = std::remove_if(blobs.begin(), blobs.end(), [](const Blob& b) { return b.area_px2 == 0; });
-  while (blobs.end() != end) blobs.pop_back();
+  blobs.truncate(static_cast<std::size_t>(end - blobs.begin()));
+  return done == regions.size();
+}
+
+/// The same dot, seen one or more levels up: the finest one replaces them all; what they leave has no area.
+bool BlobFinder::add_blob(const Blob& blob, BlobList& blobs) noexcept {
+  // Squared distance of two centroids, in areas of the coarser blob: 0.3 of a disc's radius. Two dots cannot be so
+  // close.
+  constexpr float kSamePlace = 0.03F;
+  // Ratio of two areas: below the 4 between P9 and a dot of the ring.
+  constexpr float kSameSize = 2.5F;
+  Blob* place = nullptr;
+  const float reach_px = std::sqrt(kSamePlace * kSameSize * blob.area_px2);
+  coarser_.for_each_near(blob.x_px, blob.y_px, reach_px, [&](std::size_t i) {
+    Blob& other = blobs[i];
+    const float dx = other.x_px - blob.x_px, dy = other.y_px - blob.y_px;
+    const bool same = other.level > blob.level && dx * dx + dy * dy < kSamePlace * other.area_px2 &&
+                      blob.area_px2 * kSameSize > other.area_px2 && blob.area_px2 < kSameSize * other.area_px2;
+    if (!same) return;
+    if (place == nullptr)
+      place = &other;
+    else
+      other.area_px2 = 0;
+  });
+  if (place == nullptr) return blobs.try_push_back(blob);
+  *place = blob;
+  return true;
 }
 
 }  // namespace ninedot

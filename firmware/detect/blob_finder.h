@@ -1,11 +1,13 @@
 #pragma once
 /// Dark, roundish blobs of every size in a picture: candidates for dots.
+#include <array>
 #include <cstdint>
 #include <span>
 
 #include "detect/blob.h"
 #include "detect/blob_grid.h"
 #include "detect/region_finder.h"
+#include "detect/work_budget.h"
 #include "image/dark_spots.h"
 #include "image/image_buffer.h"
 #include "image/image_view.h"
@@ -27,12 +29,13 @@ class BlobFinder {
   };
 
   /// \param luma  at most the constructed size (contract)
-  /// \param blobs  filled; when there are more than kMaxBlobs, those of the smallest pictures (the largest blobs) come
-  /// first, the rest is left out and counted
-  void find_blobs(const ImageView& luma, Levels levels, BlobList& blobs) noexcept;
+  /// \param blobs  filled; when there are more than kMaxBlobs or than the budget allows, those of the smallest pictures
+  /// (the largest blobs) come first, and the rest is left out and counted: the next search of a whole picture begins
+  /// with it, so that no part of the picture stays unseen
+  void find_blobs(const ImageView& luma, Levels levels, BlobList& blobs, WorkBudget& budget) noexcept;
 
   /// Looks at one finer level than the last search of the same picture did. \param blobs  what it filled; added to
-  void add_finer_level(const ImageView& luma, BlobList& blobs) noexcept;
+  void add_finer_level(const ImageView& luma, BlobList& blobs, WorkBudget& budget) noexcept;
 
   /// Noise of the picture last searched [grey levels, 1-sigma].
   double noise_lsb() const noexcept { return noise_lsb_; }
@@ -45,13 +48,23 @@ class BlobFinder {
   ImageView picture_at(int level) const noexcept { return levels_[level - 1].view(); }
 
  private:
-  void search_level(const ImageView& luma, int level, BlobList& blobs) noexcept;
-  void collect(const ImageView& picture, std::span<const Region> regions, int level, BlobList& blobs) noexcept;
+  /// Where the next search of a whole picture begins at a level.
+  struct Begin {
+    int row = 0;
+    std::size_t region = 0;
+  };
+
+  void search_level(const ImageView& luma, int level, BlobList& blobs, WorkBudget& budget) noexcept;
+  bool collect(const ImageView& picture, std::span<const Region> regions, int level, int& allowance,
+               std::size_t& begin_at, BlobList& blobs) noexcept;
+  bool add_blob(const Blob& blob, BlobList& blobs) noexcept;
 
   ImageBuffer levels_[kLevels];  // levels_[i] is the picture at 1 / 2^(i+1)
   SpotThreshold threshold_;
   RegionFinder regions_;
   BlobGrid coarser_;  // the blobs of the levels above the one that is searched
+  int width_px_, height_px_;
+  std::array<Begin, kLevels> begin_{};
   Levels searched_;
   double noise_lsb_ = 0;
   std::uint32_t blobs_cut_ = 0;

@@ -37,6 +37,14 @@ constexpr double kSmallest_px = 2.5;
 }  // namespace
 
 struct Detector::Workspace {
+  /// A picture, or a part of one, and the blobs in it.
+  struct Sight {
+    explicit Sight(const CameraModel& camera) : finder(camera.width_px, camera.height_px) {}
+    SearchArea area;
+    BlobFinder finder;
+    BlobList blobs;
+  };
+
   /// A hypothesis that the grey levels confirm.
   struct Accepted {
     const Hypothesis* hypothesis;
@@ -48,117 +56,138 @@ struct Detector::Workspace {
       : camera(camera_model),
         landmark(landmark_geometry),
         options(detector_options),
-        finder(camera_model.width_px, camera_model.height_px),
+        whole(camera_model),
+        window(camera_model),
         sorted(camera_model.width_px, camera_model.height_px) {}
 
   bool fits(const ImageView& luma) const noexcept {
     return luma.width_px == camera.width_px && luma.height_px == camera.height_px;
   }
-  SearchArea everywhere(int first_level) const noexcept {
-    return {0, 0, camera.width_px, camera.height_px, {first_level, BlobFinder::kLevels - 1}};
-  }
 
-  Result<LandmarkObservation> search_whole(const ImageView& luma) noexcept;
-  Result<LandmarkObservation> search_near(const ImageView& luma, const LandmarkForecast& expected) noexcept;
+  Result<LandmarkObservation> search_whole(const ImageView& luma, WorkBudget& budget) noexcept;
+  Result<LandmarkObservation> search_near(const ImageView& luma, const LandmarkForecast& expected,
+                                          WorkBudget& budget) noexcept;
+  void guess_everything(const ImageView& luma, WorkBudget& budget) noexcept;
 
-  Result<LandmarkObservation> look(const ImageView& luma, const SearchArea& area) noexcept;
-  Result<LandmarkObservation> match(const ImageView& luma, const SearchArea& area) noexcept;
-  Verification verify(const ImageView& luma, const SearchArea& area, const Hypothesis& hypothesis) const noexcept;
-  void guess_everything(const ImageView& luma) noexcept;
-  bool verify_all(const ImageView& luma, const SearchArea& area) noexcept;
-  Result<LandmarkObservation> observe(const Accepted& from) const noexcept;
+  static void look(const ImageView& luma, const SearchArea& area, Sight& sight, WorkBudget& budget) noexcept;
+  void look_finer(const ImageView& luma, WorkBudget& budget) noexcept;
+  Result<LandmarkObservation> match(const ImageView& luma, Sight& sight, int& allowance, GuessBegin& begin,
+                                    WorkBudget& budget) noexcept;
+  Verification verify(const ImageView& luma, const Sight& sight, const Hypothesis& hypothesis) const noexcept;
+  bool verify_all(const ImageView& luma, const Sight& sight) noexcept;
+  Result<LandmarkObservation> observe(const Sight& sight, const Accepted& from) const noexcept;
   bool is_cut(const Hypothesis& hypothesis, std::size_t dot, const Blob& blob) const noexcept;
 
   CameraModel camera;
   LandmarkGeometry landmark;
   DetectorOptions options;
-  BlobFinder finder;
-  BlobList blobs;
+  Sight whole, window;
   SortedBlobs sorted;
   HypothesisList hypotheses;
   InlineVector<Accepted, kMaxGuesses> accepted;  ///< the best first
   ObservationList found;
   GuessCuts cuts;
+  GuessBegin coarse_begin, fine_begin, second_begin;  ///< of searches of the whole picture
 };
 
 /// Coarse to fine. Three quarters of all pixels are the picture's own, and a landmark nearer than about 4 m shows at
 /// half the size as well: it is found there and measured where it is.
-Result<LandmarkObservation> Detector::Workspace::search_whole(const ImageView& luma) noexcept {
-  const Result<LandmarkObservation> coarse = look(luma, everywhere(1));
-  if (!coarse) {  // nothing at half the size: the picture's own pixels in addition
-    finder.add_finer_level(luma, blobs);
-    return match(luma, everywhere(0));
-  }
-  if (auto fine = search_near(luma, LandmarkForecast(*coarse, false))) return fine;
-  return look(luma, everywhere(0));
+Result<LandmarkObservation> Detector::Workspace::search_whole(const ImageView& luma, WorkBudget& budget) noexcept {
+  look(luma, {0, 0, camera.width_px, camera.height_px, {1, BlobFinder::kLevels - 1}}, whole, budget);
+  const Result<LandmarkObservation> coarse =
+      with_half(budget.guesses, [&](int& half) { return match(luma, whole, half, coarse_begin, budget); });
+  if (coarse)
+    if (auto fine = search_near(luma, LandmarkForecast(*coarse, false), budget)) return fine;
+  look_finer(luma, budget);
+  return match(luma, whole, budget.guesses, fine_begin, budget);
 }
 
-Result<LandmarkObservation> Detector::Workspace::search_near(const ImageView& luma,
-                                                             const LandmarkForecast& expected) noexcept {
+Result<LandmarkObservation> Detector::Workspace::search_near(const ImageView& luma, const LandmarkForecast& expected,
+                                                             WorkBudget& budget) noexcept {
   const auto area = search_area_around(expected.H_ray_plane, camera, landmark);
   if (!area) return fail(Errc::kNoLandmark, "the landmark has left the picture");
-  Result<LandmarkObservation> seen = look(luma, *area);
+  look(luma, *area, window, budget);
+  GuessBegin begin;
+  Result<LandmarkObservation> seen =
+      with_half(budget.guesses, [&](int& half) { return match(luma, window, half, begin, budget); });
   if (!seen || !expected.is_numbered) return seen;
   if (const auto first = first_dot_by_forecast(seen->H_ray_plane, expected.H_ray_plane, landmark))
     return renumbered(*seen, *first);
   return seen;  // not as it was foretold: another view, and the priors know better
 }
 
-Result<LandmarkObservation> Detector::Workspace::look(const ImageView& luma, const SearchArea& area) noexcept {
-  finder.find_blobs(area.cut(luma), area.levels, blobs);
-  for (Blob& blob : blobs) {
+void Detector::Workspace::look(const ImageView& luma, const SearchArea& area, Sight& sight,
+                               WorkBudget& budget) noexcept {
+  sight.area = area;
+  sight.finder.find_blobs(area.cut(luma), area.levels, sight.blobs, budget);
+  for (Blob& blob : sight.blobs) {
     blob.x_px += static_cast<float>(area.x_px);
     blob.y_px += static_cast<float>(area.y_px);
   }
-  return match(luma, area);
 }
 
-/// The landmark among the blobs at hand.
-Result<LandmarkObservation> Detector::Workspace::match(const ImageView& luma, const SearchArea& area) noexcept {
-  sorted.assign(blobs);
+/// The picture's own pixels in addition to what the whole picture was looked at by.
+void Detector::Workspace::look_finer(const ImageView& luma, WorkBudget& budget) noexcept {
+  if (whole.area.levels.first == 0) return;
+  --whole.area.levels.first;
+  whole.finder.add_finer_level(luma, whole.blobs, budget);
+}
+
+/// The landmark among the blobs at hand. \param allowance  guesses that it may try; fewer afterwards
+Result<LandmarkObservation> Detector::Workspace::match(const ImageView& luma, Sight& sight, int& allowance,
+                                                       GuessBegin& begin, WorkBudget& budget) noexcept {
+  sorted.assign(sight.blobs);
   hypotheses.clear();
-  guess_from_centre(sorted, landmark, hypotheses, cuts);
-  if (!verify_all(luma, area)) {
+  bool got_through = with_half(
+      allowance, [&](int& half) { return guess_from_centre(sorted, landmark, half, begin.centre, hypotheses, cuts); });
+  if (!verify_all(luma, sight)) {
     hypotheses.clear();
-    guess_from_ring(sorted, landmark, hypotheses, cuts);
-    if (!verify_all(luma, area)) return fail(Errc::kNoLandmark, "no landmark in the picture");
+    got_through &= guess_from_ring(sorted, landmark, allowance, begin.middle, hypotheses, cuts);
+    verify_all(luma, sight);
   }
-  return observe(accepted[0]);
+  budget.is_overdrawn |= !got_through;
+  if (accepted.empty()) return fail(Errc::kNoLandmark, "no landmark in the picture");
+  return observe(sight, accepted[0]);
 }
 
 /// All that may be a landmark, whatever is already known of some of it.
-void Detector::Workspace::guess_everything(const ImageView& luma) noexcept {
-  const SearchArea area = everywhere(0);
-  finder.find_blobs(luma, area.levels, blobs);
-  sorted.assign(blobs);
+void Detector::Workspace::guess_everything(const ImageView& luma, WorkBudget& budget) noexcept {
+  look_finer(luma, budget);
+  sorted.assign(whole.blobs);
   hypotheses.clear();
-  guess_from_centre(sorted, landmark, hypotheses, cuts);
-  guess_from_ring(sorted, landmark, hypotheses, cuts);
-  verify_all(luma, area);
+  int& allowance = budget.second_guesses;
+  const bool centres = with_half(allowance, [&](int& half) {
+    return guess_from_centre(sorted, landmark, half, second_begin.centre, hypotheses, cuts);
+  });
+  const bool rings = guess_from_ring(sorted, landmark, allowance, second_begin.middle, hypotheses, cuts);
+  budget.is_overdrawn |= !(centres && rings);
+  verify_all(luma, whole);
 }
 
 /// Small dots are looked at in the picture itself, larger ones at a level of the pyramid where noise is averaged away.
-Verification Detector::Workspace::verify(const ImageView& luma, const SearchArea& area,
+Verification Detector::Workspace::verify(const ImageView& luma, const Sight& sight,
                                          const Hypothesis& hypothesis) const noexcept {
+  const SearchArea& area = sight.area;
+  const double noise_lsb = sight.finder.noise_lsb();
   const Eigen::Matrix2d J = jacobian_of_map(hypothesis.H_px_plane, Eigen::Vector2d::Zero());
   const double semi_minor_px = landmark.dot_radius_m * std::abs(J.determinant()) / std::max(J.norm(), 1e-9);
   int level = 0;
   while (level <= area.levels.last && semi_minor_px > kSmallest_px * (2 << level)) ++level;
-  if (level == 0) return verify_landmark(luma, hypothesis.H_px_plane, landmark, blobs, hypothesis, finder.noise_lsb());
+  if (level == 0) return verify_landmark(luma, hypothesis.H_px_plane, landmark, sight.blobs, hypothesis, noise_lsb);
   const double scale = 1.0 / (1 << level);
   Eigen::Matrix3d to_level = Eigen::Matrix3d::Identity();
   to_level(0, 0) = to_level(1, 1) = scale;
   to_level(0, 2) = (0.5 - area.x_px) * scale - 0.5;
   to_level(1, 2) = (0.5 - area.y_px) * scale - 0.5;
-  return verify_landmark(finder.picture_at(level), to_level * hypothesis.H_px_plane, landmark, blobs, hypothesis,
-                         finder.noise_lsb() * scale);
+  return verify_landmark(sight.finder.picture_at(level), to_level * hypothesis.H_px_plane, landmark, sight.blobs,
+                         hypothesis, noise_lsb * scale);
 }
 
 /// Keeps those that are confirmed, the best first. \return  whether there is one
-bool Detector::Workspace::verify_all(const ImageView& luma, const SearchArea& area) noexcept {
+bool Detector::Workspace::verify_all(const ImageView& luma, const Sight& sight) noexcept {
   accepted.clear();
   for (const Hypothesis& hypothesis : hypotheses) {
-    const Verification v = verify(luma, area, hypothesis);
+    const Verification v = verify(luma, sight, hypothesis);
     if (!v.accepted) continue;
     if (accepted.full()) {
       if (v.score <= accepted[accepted.size() - 1].verification.score) continue;
@@ -179,7 +208,7 @@ bool Detector::Workspace::is_cut(const Hypothesis& hypothesis, std::size_t dot, 
   return static_cast<double>(blob.area_px2) < whole_px2 * (kCutShare - kOutlineSlack_px / std::sqrt(whole_px2));
 }
 
-Result<LandmarkObservation> Detector::Workspace::observe(const Accepted& from) const noexcept {
+Result<LandmarkObservation> Detector::Workspace::observe(const Sight& sight, const Accepted& from) const noexcept {
   const Hypothesis& hypothesis = *from.hypothesis;
   LandmarkObservation seen;
   InlineVector<PlanePoint, kDotCount> points;
@@ -187,7 +216,7 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Accepted& from) c
     DotObservation& d = seen.dots[dot];
     d.visible_fraction = from.verification.visible_fraction[dot];
     if (hypothesis.blob[dot] < 0) continue;
-    const Blob& blob = blobs[static_cast<std::size_t>(hypothesis.blob[dot])];
+    const Blob& blob = sight.blobs[static_cast<std::size_t>(hypothesis.blob[dot])];
     d.seen = d.visible_fraction >= kWholeOutline && !is_cut(hypothesis, dot, blob);
     d.centroid_px = {blob.x_px, blob.y_px};
     const double mean = 0.5 * (static_cast<double>(blob.xx_px2) + blob.yy_px2);
@@ -213,37 +242,40 @@ Detector::Detector(const CameraModel& camera, const LandmarkGeometry& landmark, 
 
 Detector::~Detector() = default;
 
-Result<std::span<const LandmarkObservation>> Detector::find_landmarks(const ImageView& luma) noexcept {
+Result<std::span<const LandmarkObservation>> Detector::find_landmarks(const ImageView& luma,
+                                                                      WorkBudget& budget) noexcept {
   Workspace& w = *workspace_;
   if (!w.fits(luma)) return fail(Errc::kFrameSize, "the frame's size is not the calibration's");
-  NINEDOT_TRY(const LandmarkObservation seen, w.search_whole(luma));
+  NINEDOT_TRY(const LandmarkObservation seen, w.search_whole(luma, budget));
   w.found.clear();
   (void)w.found.try_push_back(seen);  // the only one
   return w.found.span();
 }
 
-Result<std::span<const LandmarkObservation>> Detector::find_more_landmarks(const ImageView& luma) noexcept {
+Result<std::span<const LandmarkObservation>> Detector::find_more_landmarks(const ImageView& luma,
+                                                                           WorkBudget& budget) noexcept {
   Workspace& w = *workspace_;
   if (!w.fits(luma)) return fail(Errc::kFrameSize, "the frame's size is not the calibration's");
-  w.guess_everything(luma);
+  w.guess_everything(luma, budget);
   w.found.clear();
   for (const Workspace::Accepted& accepted : w.accepted)
-    if (const auto seen = w.observe(accepted)) (void)w.found.try_push_back(*seen);  // kMaxGuesses is less than it holds
+    if (const auto seen = w.observe(w.whole, accepted))
+      (void)w.found.try_push_back(*seen);  // kMaxGuesses is less than it holds
   if (w.found.empty()) return fail(Errc::kNoLandmark, "no landmark in the picture");
   return w.found.span();
 }
 
-Result<LandmarkObservation> Detector::find_landmark_near(const ImageView& luma,
-                                                         const LandmarkForecast& expected) noexcept {
+Result<LandmarkObservation> Detector::find_landmark_near(const ImageView& luma, const LandmarkForecast& expected,
+                                                         WorkBudget& budget) noexcept {
   Workspace& w = *workspace_;
   if (!w.fits(luma)) return fail(Errc::kFrameSize, "the frame's size is not the calibration's");
-  return w.search_near(luma, expected);
+  return w.search_near(luma, expected, budget);
 }
 
 WorkCounts Detector::counts() const noexcept {
   const Workspace& w = *workspace_;
-  return {.runs_cut = w.finder.runs_cut(),
-          .blobs_cut = w.finder.blobs_cut(),
+  return {.runs_cut = w.whole.finder.runs_cut() + w.window.finder.runs_cut(),
+          .blobs_cut = w.whole.finder.blobs_cut() + w.window.finder.blobs_cut(),
           .neighbours_cut = w.cuts.neighbours,
           .hypotheses_cut = w.cuts.hypotheses};
 }

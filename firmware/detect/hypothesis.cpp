@@ -7,6 +7,7 @@
 
 #include "detect/blob_moments.h"
 #include "detect/homography.h"
+#include "detect/work_budget.h"
 
 namespace ninedot {
 namespace {
@@ -133,6 +134,16 @@ bool fit(const BlobList& blobs, const LandmarkGeometry& landmark, Hypothesis& hy
   return count >= 3 && fit_plane_map(std::span(matches).first(count), hypothesis.H_px_plane);
 }
 
+/// Three neighbours on the ring of a guess that is there already lead to it again.
+bool is_known_triple(const HypothesisList& list, std::int16_t before, std::int16_t middle,
+                     std::int16_t after) noexcept {
+  return std::any_of(list.begin(), list.end(), [&](const Hypothesis& known) {
+    for (std::size_t dot = 0; dot < kRingDotCount; ++dot)
+      if (known.blob[dot] == middle) return known.blob[(dot + 7) % 8] == before && known.blob[(dot + 1) % 8] == after;
+    return false;
+  });
+}
+
 /// Guesses that found the same dots say the same.
 bool is_known(const HypothesisList& list, const Hypothesis& candidate) noexcept {
   return std::any_of(list.begin(), list.end(), [&](const Hypothesis& known) {
@@ -160,6 +171,12 @@ void SortedBlobs::assign(BlobList& blobs) noexcept {
   std::sort(blobs.begin(), blobs.end(), [](const Blob& a, const Blob& b) { return a.area_px2 > b.area_px2; });
   blobs_ = &blobs;
   grid_.build(blobs.span());
+}
+
+std::size_t SortedBlobs::count_from(float area_px2) const noexcept {
+  const auto* end = std::partition_point(blobs_->begin(), blobs_->end(),
+                                         [area_px2](const Blob& blob) { return blob.area_px2 >= area_px2; });
+  return static_cast<std::size_t>(end - blobs_->begin());
 }
 
 bool attach_blobs(const SortedBlobs& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis) noexcept {
@@ -199,57 +216,76 @@ bool attach_blobs(const SortedBlobs& blobs, const LandmarkGeometry& landmark, Hy
   return true;
 }
 
-void guess_from_centre(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out,
-                       GuessCuts& cuts) noexcept {
+bool guess_from_centre(const SortedBlobs& blobs, const LandmarkGeometry& landmark, int& allowance,
+                       std::size_t& begin_at, HypothesisList& out, GuessCuts& cuts) noexcept {
   constexpr float kMinArea_px2 = 8;  // P9 at 9 m and 720 px, 52 degrees aside: pi / 4 (50.8 mm 720 px / 9 m)^2 cos 52
+  const std::size_t count = blobs.count_from(kMinArea_px2);
   NeighbourList neighbours;
-  const BlobList& list = blobs.list();
-  for (std::size_t centre = 0; centre < list.size() && list[centre].area_px2 >= kMinArea_px2; ++centre) {
+  const std::size_t done = go_round(count, begin_at, [&](std::size_t centre) {
     find_ring_around(blobs, centre, landmark, neighbours, cuts);
-    if (neighbours.size() < 3) continue;
+    if (neighbours.size() < 3) return true;
     Hypothesis hypothesis;
-    if (number_neighbours(neighbours, hypothesis) < 3) continue;
+    if (number_neighbours(neighbours, hypothesis) < 3) return true;
+    if (!take_one(allowance)) return false;
     hypothesis.blob[kCentreDot] = static_cast<std::int16_t>(centre);
-    if (fit(list, landmark, hypothesis)) keep(blobs, landmark, 4, hypothesis, out, cuts);
-  }
+    if (fit(blobs.list(), landmark, hypothesis)) keep(blobs, landmark, 4, hypothesis, out, cuts);
+    return true;
+  });
+  cuts.hypotheses += static_cast<std::uint32_t>(count - done);
+  return done == count;
 }
 
-void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out,
-                     GuessCuts& cuts) noexcept {
+namespace {
+
+// Ratio of neighbours' areas, of one dot's and what three points say of it, and of its shape; and the distance to a
+// neighbour in units of the ring's spacing, seen through a dot's own ellipse. DetectorConstants (see above) has what
+// perspective makes of them.
+constexpr double kAreaFactor = 1.7;
+constexpr float kNearestSpacing = 0.6F, kFarthestSpacing = 1.5F;
+constexpr std::size_t kNearest = 8;  // both neighbours on the ring, and three times as many others
+
+struct Near {
+  std::int16_t blob;
+  float distance;  // from the ring's spacing, in units of it
+};
+using NearList = InlineVector<Near, kNearest>;
+
+void find_neighbours_of(const SortedBlobs& blobs, std::size_t middle, const LandmarkGeometry& landmark, NearList& near,
+                        GuessCuts& cuts) noexcept {
+  const Blob& m = blobs.list()[middle];
+  const Whitening whiten(m);
+  const auto spacing = static_cast<float>(2 * std::sin(kSlot_rad / 2) * landmark.ring_radius_m / landmark.dot_radius_m);
+  const float reach_px = m.semi_major_px() * kFarthestSpacing * spacing;
+  near.clear();
+  blobs.for_each_near(m.x_px, m.y_px, reach_px, m.area_px2 / kAreaFactor, m.area_px2 * kAreaFactor,
+                      [&](std::size_t i, const Blob& blob) {
+                        const float distance = whiten(blob.x_px, blob.y_px).norm() / spacing;
+                        if (i == middle || distance < kNearestSpacing || distance > kFarthestSpacing) return;
+                        const Near candidate{static_cast<std::int16_t>(i), std::abs(distance - 1)};
+                        if (near.try_push_back(candidate)) return;
+                        ++cuts.neighbours;
+                        Near* worst = std::max_element(near.begin(), near.end(), [](const Near& a, const Near& b) {
+                          return a.distance < b.distance;
+                        });
+                        if (candidate.distance < worst->distance) *worst = candidate;
+                      });
+}
+
+}  // namespace
+
+bool guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark, int& allowance, std::size_t& begin_at,
+                     HypothesisList& out, GuessCuts& cuts) noexcept {
   constexpr float kMinArea_px2 = 5;  // a ring dot at 7.2 m and 720 px, from in front: pi / 4 (25.4 mm 720 px / 7.2 m)^2
-  // Ratio of neighbours' areas, of one dot's and what three points say of it, and of its shape; and the distance to a
-  // neighbour in units of the ring's spacing, seen through a dot's own ellipse. DetectorConstants (see above) has what
-  // perspective makes of them.
-  constexpr double kAreaFactor = 1.7;
-  constexpr float kNearestSpacing = 0.6F, kFarthestSpacing = 1.5F;
-  constexpr std::size_t kNearest = 8;  // both neighbours on the ring, and three times as many others
-  const double spacing = 2 * std::sin(kSlot_rad / 2) * landmark.ring_radius_m / landmark.dot_radius_m;
   Eigen::Matrix2d plane;
   plane << landmark.centre_m(7) - landmark.centre_m(0), landmark.centre_m(1) - landmark.centre_m(0);
   const Eigen::Matrix2d plane_inverse = plane.inverse();
-
-  struct Near {
-    std::int16_t blob;
-    float distance;
-  };
+  const double radius2_m2 = landmark.dot_radius_m * landmark.dot_radius_m;
   const BlobList& list = blobs.list();
-  for (std::size_t middle = 0; middle < list.size() && list[middle].area_px2 >= kMinArea_px2; ++middle) {
+  const std::size_t count = blobs.count_from(kMinArea_px2);
+  NearList near;
+  const std::size_t done = go_round(count, begin_at, [&](std::size_t middle) {
+    find_neighbours_of(blobs, middle, landmark, near, cuts);
     const Blob& m = list[middle];
-    const Whitening whiten(m);
-    InlineVector<Near, kNearest> near;
-    const float reach_px = m.semi_major_px() * kFarthestSpacing * static_cast<float>(spacing);
-    blobs.for_each_near(m.x_px, m.y_px, reach_px, m.area_px2 / kAreaFactor, m.area_px2 * kAreaFactor,
-                        [&](std::size_t i, const Blob& blob) {
-                          const float distance = whiten(blob.x_px, blob.y_px).norm() / static_cast<float>(spacing);
-                          if (i == middle || distance < kNearestSpacing || distance > kFarthestSpacing) return;
-                          const Near candidate{static_cast<std::int16_t>(i), std::abs(distance - 1)};
-                          if (near.try_push_back(candidate)) return;
-                          ++cuts.neighbours;
-                          Near* worst = std::max_element(near.begin(), near.end(), [](const Near& a, const Near& b) {
-                            return a.distance < b.distance;
-                          });
-                          if (candidate.distance < worst->distance) *worst = candidate;
-                        });
     for (const Near& before : near) {
       for (const Near& after : near) {
         if (before.blob == after.blob) continue;
@@ -258,11 +294,11 @@ void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark,
         Eigen::Matrix2d seen;
         seen << a.x_px - m.x_px, c.x_px - m.x_px, a.y_px - m.y_px, c.y_px - m.y_px;
         const Eigen::Matrix2d J = seen * plane_inverse;
-        const double det = J.determinant();
-        const double area_px2 = kPi * landmark.dot_radius_m * landmark.dot_radius_m * det;
+        const double area_px2 = kPi * radius2_m2 * J.determinant();
         if (!(area_px2 > m.area_px2 / kAreaFactor && area_px2 < m.area_px2 * kAreaFactor)) continue;
-        if (shape_mismatch(m, J * J.transpose() * (landmark.dot_radius_m * landmark.dot_radius_m / 4)) > kAreaFactor)
-          continue;
+        if (shape_mismatch(m, J * J.transpose() * (radius2_m2 / 4)) > kAreaFactor) continue;
+        if (is_known_triple(out, before.blob, static_cast<std::int16_t>(middle), after.blob)) continue;
+        if (!take_one(allowance)) return false;
         Hypothesis hypothesis;
         hypothesis.H_px_plane.setIdentity();
         hypothesis.H_px_plane.topLeftCorner<2, 2>() = J;
@@ -271,7 +307,10 @@ void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark,
         keep(blobs, landmark, 3, hypothesis, out, cuts);
       }
     }
-  }
+    return true;
+  });
+  cuts.hypotheses += static_cast<std::uint32_t>(count - done);
+  return done == count;
 }
 
 }  // namespace ninedot

@@ -37,6 +37,9 @@ class SortedBlobs {
 
   const BlobList& list() const noexcept { return *blobs_; }
 
+  /// How many have at least this area: the first of the list.
+  std::size_t count_from(float area_px2) const noexcept;
+
   /// Calls use(index, blob) for blobs of an area between the bounds, not further than `reach_px` in x and in y.
   template <typename Use>
   void for_each_near(float x_px, float y_px, float reach_px, double low_px2, double high_px2,
@@ -59,18 +62,30 @@ class SortedBlobs {
 /// What found no room in a list of fixed size, added up over all calls; wraps.
 struct GuessCuts {
   std::uint32_t neighbours = 0;  ///< blobs around P9, or beside a dot of the ring
-  std::uint32_t hypotheses = 0;  ///< the one with the fewest dots of a full list and the new one
+  /// Blobs that no guess began with, for want of allowance; and of a full list and a new guess the one with fewer dots.
+  std::uint32_t hypotheses = 0;
 };
 
-/// Takes each blob as P9: its ellipse says, under an affine map, on which ellipse the ring's dots lie and how large
-/// they are; eight-fold symmetry around it picks them out. Three dots are enough.
-void guess_from_centre(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out,
-                       GuessCuts& cuts) noexcept;
+/// Ranks [1] of the blobs at which guessing begins; where it ended in the picture before for want of allowance.
+struct GuessBegin {
+  std::size_t centre = 0, middle = 0;  ///< of guess_from_centre, of guess_from_ring [1]
+};
+
+/// Takes each blob as P9, the largest first: its ellipse says, under an affine map, on which ellipse the ring's dots
+/// lie and how large they are; eight-fold symmetry around it picks them out. Three dots are enough.
+///
+/// \param allowance  [1] guesses that may be tried; fewer afterwards
+/// \param begin_at  [1] rank of the blob to begin with, and around to the one before it. Afterwards: where it ran out
+/// of allowance, 0 where it got through
+/// \return  whether it got through
+bool guess_from_centre(const SortedBlobs& blobs, const LandmarkGeometry& landmark, int& allowance,
+                       std::size_t& begin_at, HypothesisList& out, GuessCuts& cuts) noexcept;
 
 /// Takes three blobs as neighbours on the ring, when P9 is hidden or spoiled: three points give the affine map, the
 /// area and shape of the middle one confirm it.
-void guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark, HypothesisList& out,
-                     GuessCuts& cuts) noexcept;
+/// \param allowance, begin_at  as above [1]
+bool guess_from_ring(const SortedBlobs& blobs, const LandmarkGeometry& landmark, int& allowance, std::size_t& begin_at,
+                     HypothesisList& out, GuessCuts& cuts) noexcept;
 
 /// Takes the dots from where H predicts them and fits H to what it found. \return false: fewer than three dots remain
 bool attach_blobs(const SortedBlobs& blobs, const LandmarkGeometry& landmark, Hypothesis& hypothesis) noexcept;

@@ -49,9 +49,9 @@ RegionFinder::RegionFinder(int max_width_px, int max_height_px)
 }
 
 std::span<const Region> RegionFinder::find(const ImageView& picture, const ImageBuffer& threshold,
-                                           const RegionLimits& limits) noexcept {
+                                           const RegionLimits& limits, int first_row) noexcept {
   EXPECTS(static_cast<std::size_t>(picture.height_px) < row_start_.size());
-  find_runs(picture, threshold);
+  find_runs(picture, threshold, first_row);
   join_runs(picture.height_px);
   outline_regions(picture.height_px);
   keep_regions(picture, limits);
@@ -59,11 +59,13 @@ std::span<const Region> RegionFinder::find(const ImageView& picture, const Image
   return std::span(regions_).first(region_count_);
 }
 
-void RegionFinder::find_runs(const ImageView& picture, const ImageBuffer& threshold) noexcept {
+void RegionFinder::find_runs(const ImageView& picture, const ImageBuffer& threshold, int first_row) noexcept {
   run_count_ = 0;
+  cut_from_row_ = picture.height_px;
   const int width = 2 * (picture.width_px / 2);  // an odd last column has no threshold
   for (int y = 0; y < picture.height_px; ++y) {
     row_start_[static_cast<std::size_t>(y)] = static_cast<std::int32_t>(run_count_);
+    if (y < first_row) continue;
     const std::uint8_t* pixels = picture.row(y);
     const std::uint8_t* limits = threshold.row(std::min(y / 2, threshold.height_px() - 1));
     std::uint32_t inside = 0;  // 1 while the pixel before was dark
@@ -83,6 +85,7 @@ void RegionFinder::find_runs(const ImageView& picture, const ImageBuffer& thresh
           ++run_count_;
         } else {
           ++runs_cut_;
+          cut_from_row_ = std::min(cut_from_row_, y);
         }
         inside ^= 1;
       }

@@ -32,21 +32,25 @@ class RegionFinder {
   RegionFinder(int max_width_px, int max_height_px);
 
   /// \param threshold  of half the picture's size: one value for 2 x 2 pixels; a pixel below it is dark
+  /// \param first_row  those above it are passed over
   /// \return  regions within the limits that do not touch the picture's border, in the order of their first pixels,
   ///          valid until the next call. Texture with more runs than an eighth of the largest picture's pixels is cut
   ///          off at the bottom, and counted.
-  std::span<const Region> find(const ImageView& picture, const ImageBuffer& threshold,
-                               const RegionLimits& limits) noexcept;
+  std::span<const Region> find(const ImageView& picture, const ImageBuffer& threshold, const RegionLimits& limits,
+                               int first_row = 0) noexcept;
 
   /// Runs that found no room, over all calls; wraps.
   std::uint32_t runs_cut() const noexcept { return runs_cut_; }
+
+  /// The row from which on runs found no room in the last call; the picture's height where all had room.
+  int cut_from_row() const noexcept { return cut_from_row_; }
 
  private:
   struct Run {
     std::int16_t begin, end;  // [begin, end) in its row
     std::int32_t parent;      // union-find: an earlier run of the same region, or itself
   };
-  void find_runs(const ImageView& picture, const ImageBuffer& threshold) noexcept;
+  void find_runs(const ImageView& picture, const ImageBuffer& threshold, int first_row) noexcept;
   void join_runs(int rows) noexcept;
   void outline_regions(int rows) noexcept;
   void keep_regions(const ImageView& picture, const RegionLimits& limits) noexcept;
@@ -56,6 +60,7 @@ class RegionFinder {
   std::vector<Run> runs_;
   std::size_t run_count_ = 0;
   std::uint32_t runs_cut_ = 0;
+  int cut_from_row_ = 0;
   std::vector<std::int32_t> region_of_run_;
   std::vector<std::int32_t> row_start_;  // first run of each row, and one past the last
   std::vector<Region> regions_;

@@ -35,6 +35,18 @@ constexpr double kSamePaperShare =
     0.15;                        // likewise: what is no darker than this is the sheet itself, in the same light
 constexpr double kOnADot = 0.7;  // of a dot's radius around its middle: two blobs so close are one dot
 
+using Directions = std::array<Eigen::Vector2d, kDirections>;
+
+Directions make_directions() noexcept {
+  Directions directions;
+  for (std::size_t d = 0; d < directions.size(); ++d) {
+    const double a_rad = static_cast<double>(d) * 2 * std::numbers::pi / kDirections;
+    directions[d] = {std::cos(a_rad), std::sin(a_rad)};
+  }
+  return directions;
+}
+const Directions kDirection = make_directions();
+
 struct Sides {
   bool inside_picture = false;
   double out = 0, in = 0;
@@ -83,8 +95,7 @@ class Evidence {
 
  private:
   Eigen::Vector2d plane_point(std::size_t dot, int direction, double radius_m) const noexcept {
-    const double a_rad = direction * 2 * std::numbers::pi / kDirections;
-    return landmark_.centre_m(dot) + radius_m * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad));
+    return landmark_.centre_m(dot) + radius_m * kDirection[static_cast<std::size_t>(direction)];
   }
 
   /// Both sides of the outline, 1.2 px or a quarter of the radius away from it, whatever is more.
@@ -92,8 +103,7 @@ class Evidence {
     const Eigen::Matrix2d J = jacobian_of_map(H_, landmark_.centre_m(dot));
     const double radius_m = landmark_.radius_m(dot);
     for (int d = 0; d < kDirections; ++d) {
-      const Eigen::Vector2d outward_px = J * (plane_point(dot, d, 1) - landmark_.centre_m(dot));
-      const double px_per_m = outward_px.norm();
+      const double px_per_m = (J * kDirection[static_cast<std::size_t>(d)]).norm();
       const double step_m = std::max(kBeside_px / px_per_m, kBesideShare * radius_m);
       const auto out = sample(luma_, map_point(H_, plane_point(dot, d, radius_m + step_m)));
       const auto in = sample(luma_, map_point(H_, plane_point(dot, d, std::max(radius_m - step_m, 0.0))));

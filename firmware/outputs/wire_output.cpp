@@ -96,6 +96,7 @@ MetricValues frame_metrics(const Report& report, const Health& health, MonoTime 
   out[MetricId::kBlobsCut] = work.blobs_cut;
   out[MetricId::kHypothesesCut] = work.hypotheses_cut;
   out[MetricId::kNeighboursCut] = work.neighbours_cut;
+  out[MetricId::kFramesCut] = work.frames_cut;
   return out;
 }
 

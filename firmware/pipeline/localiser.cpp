@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "detect/numbering.h"
 #include "pipeline/report_reason.h"
@@ -51,8 +52,8 @@ Result<std::size_t> Localiser::follow_outlines(const Frame& frame) noexcept {
   const auto untrackable = fail(Errc::kNoLandmark, "its outlines can't be foretold well enough");
   if (options_.solver != Solver::kFull || !track_.may_follow_outlines()) return untrackable;
   const bool look_at_mirror = track_.must_look_at_mirror();
-  NINEDOT_TRY(candidates_,
-              full_.follow(frame.luma, track_.expected_at(frame.exposed_at()), *track_.prior(), look_at_mirror));
+  NINEDOT_TRY(candidates_, full_.follow(frame.luma, track_.expected_at(frame.exposed_at()), *track_.prior(),
+                                        look_at_mirror, budget_.pixels));
   const PoseCandidate& followed = candidates_.list[0];
   if (!track_.accepts(followed, frame.exposed_at()) || !fits_picture(followed, noise_))
     return fail(Errc::kNoLandmark, "the landmark is not as it was");
@@ -62,37 +63,41 @@ Result<std::size_t> Localiser::follow_outlines(const Frame& frame) noexcept {
 
 Result<std::size_t> Localiser::detect_near_track(const Frame& frame) noexcept {
   NINEDOT_TRY(const LandmarkObservation seen,
-              detector_.find_landmark_near(frame.luma, track_.forecast(frame.exposed_at())));
+              detector_.find_landmark_near(frame.luma, track_.forecast(frame.exposed_at()), budget_));
   return solve(frame, seen, track_.prior());
 }
 
 Result<std::size_t> Localiser::search(const Frame& frame) noexcept {
   track_.jump();
-  NINEDOT_TRY(const auto likely, detector_.find_landmarks(frame.luma));
-  if (const auto chosen = solve_any(frame, likely)) return chosen;
-  NINEDOT_TRY(const auto unlikely, detector_.find_more_landmarks(frame.luma));
-  return solve_any(frame, unlikely);
+  const std::size_t guess = std::exchange(next_guess_, 0);
+  Result<std::size_t> chosen = fail(Errc::kNoLandmark, "nothing in the picture is a landmark");
+  const auto try_guess = [&](const LandmarkObservation& seen) {
+    if (!chosen) chosen = solve_guess(frame, seen);
+    return chosen || budget_.pixels > 0;
+  };
+  NINEDOT_TRY(const auto likely, detector_.find_landmarks(frame.luma, budget_));
+  if (guess == 0 && (!try_guess(likely.front()) || chosen)) return chosen;
+  NINEDOT_TRY(const auto unlikely, detector_.find_more_landmarks(frame.luma, budget_));
+  std::size_t begin_at = guess > 0 ? guess - 1 : 0;
+  const std::size_t tried =
+      go_round(unlikely.size(), begin_at, [&](std::size_t rank) { return try_guess(unlikely[rank]); });
+  if (tried < unlikely.size()) next_guess_ = begin_at + 1;
+  return chosen;
 }
 
-/// The first of what looks like the landmark that is one.
-Result<std::size_t> Localiser::solve_any(const Frame& frame, std::span<const LandmarkObservation> found) noexcept {
-  const auto known = track_.remembered(frame.exposed_at());
-  Result<std::size_t> chosen = fail(Errc::kNoLandmark, "nothing in the picture is a landmark");
-  for (LandmarkObservation seen : found) {
-    // Only the priors have numbered it. What was tracked a moment ago keeps its numbers.
-    if (known)
-      if (const auto first = first_dot_by_forecast(seen.H_ray_plane, known->H_ray_plane, options_.landmark))
-        seen = renumbered(seen, *first);
-    chosen = solve(frame, seen, nullptr);
-    if (chosen) break;
-  }
-  return chosen;
+/// What looks like the landmark, though nothing has told yet where it is.
+Result<std::size_t> Localiser::solve_guess(const Frame& frame, LandmarkObservation seen) noexcept {
+  // Only the priors have numbered it. What was tracked a moment ago keeps its numbers.
+  if (const auto known = track_.remembered(frame.exposed_at()))
+    if (const auto first = first_dot_by_forecast(seen.H_ray_plane, known->H_ray_plane, options_.landmark))
+      seen = renumbered(seen, *first);
+  return solve(frame, seen, nullptr);
 }
 
 Result<std::size_t> Localiser::solve(const Frame& frame, const LandmarkObservation& seen,
                                      const PosePrior* prior) noexcept {
   const bool full = options_.solver == Solver::kFull;
-  const auto answer = full ? full_.solve(frame.luma, seen, prior) : ellipse_.solve(seen);
+  const auto answer = full ? full_.solve(frame.luma, seen, prior, budget_.pixels) : ellipse_.solve(seen);
   if (!answer) {
     if (answer.error().code == Errc::kPoseDegenerate) track_.see(seen);
     return tl::unexpected<Error>(answer.error());
@@ -100,7 +105,8 @@ Result<std::size_t> Localiser::solve(const Frame& frame, const LandmarkObservati
   candidates_ = *answer;
   const PoseCandidate& best = candidates_.list[0];
   // The closed form looks at centres alone: whether there are outlines of a landmark is asked of the picture apart.
-  const Result<PoseCandidate> examined = full ? best : full_.examine(frame.luma, best.pose.T_landmark_camera.inverse());
+  const Result<PoseCandidate> examined =
+      full ? best : full_.examine(frame.luma, best.pose.T_landmark_camera.inverse(), budget_.pixels);
   if (!examined || !fits_picture(*examined, noise_)) {
     if (!misfit_ && is_publishable(best.pose)) misfit_ = candidates_;
     return fail(Errc::kNoLandmark, "the picture does not fit a landmark");
@@ -131,10 +137,11 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
   fix_.solver = options_.solver;
   noise_ = PictureNoise(frame.luma);
   misfit_.reset();
+  budget_ = {};
 
   // Without tracking a frame's answer depends on that frame alone.
   if (!options_.tracking || track_.is_numbering_refuted()) track_.reset();
-  const bool has_track = options_.tracking && track_.has_sighting();
+  const bool has_track = options_.tracking && track_.has_sighting() && next_guess_ == 0;
   Result<std::size_t> chosen = fail(Errc::kNoLandmark, "there is no track");
   if (has_track) chosen = follow_outlines(frame);
   if (has_track && !chosen) chosen = detect_near_track(frame);
@@ -146,13 +153,19 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
   } else {
     track_.lose_pose(track_.has_sighting());
     fix_.reason = reason_of(chosen.error().code);
+    budget_.is_overdrawn |= budget_.pixels <= 0;
+    // What was tried first comes last in the next frame.
+    if (budget_.pixels <= 0 && next_guess_ == 0) next_guess_ = 1;
+    if (fix_.reason == Reason::kNoLandmark && budget_.is_overdrawn) fix_.reason = Reason::kCrowded;
     if (misfit_) {
       candidates_ = *misfit_;
       add_fix(0, false);
     }
   }
   fix_.found = track_.has_sighting() || !fix_.landmarks.empty();
+  if (budget_.is_overdrawn) ++frames_cut_;
   fix_.work = detector_.counts();
+  fix_.work.frames_cut = frames_cut_;
   fix_.process_time = mono_now() - begin;
   return fix_;
 }

@@ -51,7 +51,7 @@ class Localiser final : public FrameProcessor {
   Result<std::size_t> follow_outlines(const Frame& frame) noexcept;
   Result<std::size_t> detect_near_track(const Frame& frame) noexcept;
   Result<std::size_t> search(const Frame& frame) noexcept;
-  Result<std::size_t> solve_any(const Frame& frame, std::span<const LandmarkObservation> found) noexcept;
+  Result<std::size_t> solve_guess(const Frame& frame, LandmarkObservation seen) noexcept;
   Result<std::size_t> solve(const Frame& frame, const LandmarkObservation& seen, const PosePrior* prior) noexcept;
   void add_fix(std::size_t chosen, bool fits) noexcept;
 
@@ -61,8 +61,13 @@ class Localiser final : public FrameProcessor {
   FullSolver full_;
   EllipseSolver ellipse_;
   Track track_;
+  // What the frame before had no pixels left for: 0 nothing; else the search leaves out the likeliest guess and begins
+  // with this one of the less likely.
+  std::size_t next_guess_ = 0;
+  std::uint32_t frames_cut_ = 0;
   // Of the frame under way.
   PictureNoise noise_;
+  WorkBudget budget_;
   PoseCandidates candidates_;
   std::optional<PoseCandidates> misfit_;  // the first that looked like a landmark and does not fit the picture
   Fix fix_;

@@ -53,9 +53,9 @@ struct FullSolver::Workspace {
   Result<PlanarPoses> planar_poses(const LandmarkObservation& seen) const noexcept;
   Result<Starts> starts_from(const LandmarkObservation& seen, const PosePrior* prior) const noexcept;
   bool refine_first(const ImageView& luma, const LandmarkObservation& seen, const Starts& starts,
-                    const PosePrior* prior, double warp_px) noexcept;
+                    const PosePrior* prior, double warp_px, int& pixels) noexcept;
   std::optional<PoseCandidate> weigh_mirror(const ImageView& luma, bool side_is_settled, double warp_px,
-                                            bool may_refine) noexcept;
+                                            bool may_refine, int& pixels) noexcept;
 
   CameraModel camera;
   LandmarkGeometry landmark;
@@ -108,22 +108,23 @@ Result<Starts> FullSolver::Workspace::starts_from(const LandmarkObservation& see
 
 /// The better start, or the other one where that one leads nowhere.
 bool FullSolver::Workspace::refine_first(const ImageView& luma, const LandmarkObservation& seen, const Starts& starts,
-                                         const PosePrior* prior, double warp_px) noexcept {
+                                         const PosePrior* prior, double warp_px, int& pixels) noexcept {
   using Start = OutlineRefiner::Start;
   OutlineState start = prior != nullptr ? prior->outlines : OutlineState{};
   start.T_camera_landmark = starts.side[0];
   const bool close =
       prior != nullptr && seen.seen_count >= static_cast<int>(kLeastCentroids) && starts.rms_px < kCloseStart_px;
-  if (first.refine(luma, start, close ? Start::kClose : Start::kRough, warp_px).has_converged()) return true;
+  if (first.refine(luma, start, close ? Start::kClose : Start::kRough, warp_px, pixels).has_converged()) return true;
   if (!starts.differ || starts.centroids_decide()) return false;
   start.T_camera_landmark = starts.side[1];
-  return first.refine(luma, start, Start::kRough, warp_px).has_converged();
+  return first.refine(luma, start, Start::kRough, warp_px, pixels).has_converged();
 }
 
 /// The mirror image of the first refiner's pose; none: there is no second pose. `chi2_above` is below zero where it
 /// fits better. \param may_refine  false: where it would have to be refined, `refined` says so
 std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView& luma, bool side_is_settled,
-                                                                 double warp_px, bool may_refine) noexcept {
+                                                                 double warp_px, bool may_refine,
+                                                                 int& pixels) noexcept {
   OutlineState mirrored = first.state();
   mirrored.T_camera_landmark = mirror_image(first.state().T_camera_landmark, landmark);
   const double apart_rad = angle_between_rad(mirrored.T_camera_landmark, first.state().T_camera_landmark);
@@ -134,7 +135,7 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
   mirror.chi2_above = first.chi2_above(mirrored);
   mirror.refined = !(mirror.chi2_above > (side_is_settled && apart_rad > kApart_rad ? kSettled_chi2 : kDecisive_chi2));
   if (!mirror.refined || !may_refine) return mirror;
-  if (!second.refine(luma, mirrored, OutlineRefiner::Start::kClose, warp_px).has_converged()) {
+  if (!second.refine(luma, mirrored, OutlineRefiner::Start::kClose, warp_px, pixels).has_converged()) {
     mirror.refined = false;
     return mirror;
   }
@@ -151,13 +152,13 @@ FullSolver::FullSolver(const CameraModel& camera, const LandmarkGeometry& landma
 
 FullSolver::~FullSolver() = default;
 
-Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkObservation& seen,
-                                         const PosePrior* prior) noexcept {
+Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkObservation& seen, const PosePrior* prior,
+                                         int& pixels) noexcept {
   Workspace& w = *workspace_;
   NINEDOT_TRY(const Starts starts, w.starts_from(seen, prior));
   PoseCandidates candidates;
   if (seen.seen_count > static_cast<int>(kLeastCentroids)) candidates.warp_px = kWarpShare * starts.rms_px;
-  if (!w.refine_first(luma, seen, starts, prior, candidates.warp_px))
+  if (!w.refine_first(luma, seen, starts, prior, candidates.warp_px, pixels))
     return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
   PoseCandidate best = candidate_of(w.first, w.camera, w.landmark);
 
@@ -169,7 +170,7 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
     mirror->chi2_above = starts.second_chi2_above;
     mirror->refined = false;
   } else {
-    mirror = w.weigh_mirror(luma, prior != nullptr && prior->side_is_settled, candidates.warp_px, true);
+    mirror = w.weigh_mirror(luma, prior != nullptr && prior->side_is_settled, candidates.warp_px, true, pixels);
   }
   if (mirror && mirror->refined) {
     if (mirror->chi2_above < 0) std::swap(best, *mirror);
@@ -187,31 +188,32 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
 }
 
 Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const CameraFromLandmark& expected,
-                                          const PosePrior& prior, bool look_at_mirror) noexcept {
+                                          const PosePrior& prior, bool look_at_mirror, int& pixels) noexcept {
   Workspace& w = *workspace_;
   OutlineState start = prior.outlines;
   start.T_camera_landmark = expected;
   const auto lost = fail(Errc::kNoLandmark, "the landmark is not where it was expected");
   // Where shadows cut the dots, their centroids know better than the frame before how far to trust the outlines.
-  if (!w.first.refine(luma, start, OutlineRefiner::Start::kExpected, prior.warp_px).has_converged() ||
+  if (!w.first.refine(luma, start, OutlineRefiner::Start::kExpected, prior.warp_px, pixels).has_converged() ||
       !w.first.is_light_smooth())
     return lost;
   PoseCandidates candidates;
   candidates.warp_px = prior.warp_px;
   (void)candidates.list.try_push_back(candidate_of(w.first, w.camera, w.landmark));
   if (look_at_mirror) {
-    const auto mirror = w.weigh_mirror(luma, prior.side_is_settled, prior.warp_px, false);
+    const auto mirror = w.weigh_mirror(luma, prior.side_is_settled, prior.warp_px, false, pixels);
     if (mirror && mirror->refined) return lost;
     if (mirror) (void)candidates.list.try_push_back(*mirror);
   }
   return candidates;
 }
 
-Result<PoseCandidate> FullSolver::examine(const ImageView& luma, const CameraFromLandmark& T_camera_landmark) noexcept {
+Result<PoseCandidate> FullSolver::examine(const ImageView& luma, const CameraFromLandmark& T_camera_landmark,
+                                          int& pixels) noexcept {
   OutlineRefiner& refiner = workspace_->first;
   OutlineState start;
   start.T_camera_landmark = T_camera_landmark;
-  if (!refiner.refine(luma, start, OutlineRefiner::Start::kRough, 0).has_converged())
+  if (!refiner.refine(luma, start, OutlineRefiner::Start::kRough, 0, pixels).has_converged())
     return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
   return candidate_of(refiner, workspace_->camera, workspace_->landmark);
 }

@@ -27,6 +27,7 @@ constexpr std::array<Stage, 7> kStages{{{1.5, false, false},
                                         {0.12, false, true},
                                         {0.12, false, true}}};
 constexpr int kRoughStage = 0, kCloseStage = 1;
+constexpr int kUsualStages = 3;        // that follow the rough one
 constexpr int kRoughThinning = 3;      // of the pixels, while the pose is off by tenths of a pixel
 constexpr double kRoughBand_px = 3.5;  // a rough start is good to two pixels, and half of the blur's reach on top
 // Pixels up to this many sigmas of the blur from an outline: beyond, their grey levels hardly depend on its place.
@@ -61,8 +62,9 @@ OutlineRefiner::OutlineRefiner(const CameraModel& camera, const LandmarkGeometry
     : camera_(camera), landmark_(landmark), rays_(rays), pixels_(kMaxPixels) {}
 
 const OptimiserStatistics& OutlineRefiner::refine(const ImageView& luma, const OutlineState& start, Start quality,
-                                                  double warp_px) noexcept {
+                                                  double warp_px, int& pixels) noexcept {
   luma_ = luma;
+  pixels_left_ = pixels;
   state_ = start;
   quality_ = quality;
   warp_px_ = warp_px;
@@ -74,6 +76,7 @@ const OptimiserStatistics& OutlineRefiner::refine(const ImageView& luma, const O
   // What was foretold and not seen has to settle.
   if (quality == Start::kExpected && statistics_.stopped == Stopped::kOutOfStages)
     statistics_.stopped = Stopped::kLedNowhere;
+  pixels = pixels_left_;
   return statistics_;
 }
 
@@ -87,13 +90,20 @@ bool OutlineRefiner::look_again_if_stale(int stage) noexcept {
                      std::abs(band_px - look_.band_px) > kMovedAway_px;
   if (!stale) return true;
   look_ = {band_px, 0, stage == kRoughStage, false};
-  collect_outline_pixels(luma_, camera_, rays_, landmark_, state_.T_camera_landmark, band_px,
-                         look_.thinned ? kRoughThinning : 1, split_, pixels_);
+  const auto collect = [&](int thinning) {
+    collect_outline_pixels(luma_, camera_, rays_, landmark_, state_.T_camera_landmark, band_px, thinning, split_,
+                           pixels_);
+  };
+  collect(look_.thinned ? kRoughThinning : 1);
+  // Rather every second pixel to the end than all of them half the way.
+  const auto wanted = static_cast<int>(pixels_.count) * kUsualStages;
+  if (!look_.thinned && wanted > pixels_left_) collect((wanted + pixels_left_ - 1) / pixels_left_);
   return !pixels_.groups.empty();
 }
 
 bool OutlineRefiner::linearise(int stage) noexcept {
-  if (!look_again_if_stale(stage)) return false;
+  if (pixels_left_ <= 0 || !look_again_if_stale(stage)) return false;
+  pixels_left_ -= static_cast<int>(pixels_.count);
   const auto groups = pixels_.groups.span();
   for (std::size_t g = 0; g < groups.size(); ++g) fit_group(pixels_, groups[g], landmark_, state_, true, fits_[g]);
   weigh_groups(groups, fits_, std::max(stage_of(stage).shift_floor_px, warp_px_), weights_);

@@ -27,9 +27,10 @@ class OutlineRefiner {
   };
 
   /// \param warp_px  how far the dots may lie from where one flat sheet shows them, before any is an outlier
-  /// \return  how it went; unless it has converged the rest means nothing
-  const OptimiserStatistics& refine(const ImageView& luma, const OutlineState& start, Start quality,
-                                    double warp_px) noexcept;
+  /// \param pixels  how many pixels it may fit, each counted once per stage; fewer afterwards. Used up, it leads
+  /// nowhere. \return  how it went; unless it has converged the rest means nothing
+  const OptimiserStatistics& refine(const ImageView& luma, const OutlineState& start, Start quality, double warp_px,
+                                    int& pixels) noexcept;
 
   /// How much worse `other` explains the pixels that this state was fitted to: difference of chi^2 [1].
   double chi2_above(const OutlineState& other) const noexcept;
@@ -79,6 +80,7 @@ class OutlineRefiner {
   ImageView luma_;
   Start quality_ = Start::kRough;
   double warp_px_ = 0;
+  int pixels_left_ = 0;
   Look look_;
   double last_step_px_ = 0;
   bool expectation_is_close_ = false;  // its first step was short: it may be the last

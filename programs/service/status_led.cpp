@@ -31,6 +31,7 @@ LedPattern led_pattern_of(const Report& report) noexcept {
     case Reason::kAmbiguous:
     case Reason::kUncertain:
     case Reason::kPoorFit:
+    case Reason::kCrowded:
     case Reason::kStale:
     case Reason::kHeld:
       return LedPattern::kNoLandmark;

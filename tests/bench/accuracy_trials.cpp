@@ -122,7 +122,8 @@ Outcome run_trials(const Condition& condition, int trials, std::uint64_t seed) {
     const auto seen = detector.find_landmarks(picture.view());
     if (!seen) continue;
     ++outcome.found;
-    if (const auto pose = test::best_pose(full.solve(picture.view(), seen->front(), nullptr)))
+    int pixels = WorkBudget{}.pixels;
+    if (const auto pose = test::best_pose(full.solve(picture.view(), seen->front(), nullptr, pixels)))
       full_score.add(scene.camera, *bound, *pose);
     if (const auto pose = test::best_pose(ellipse.solve(seen->front()))) ellipse_score.add(scene.camera, *bound, *pose);
   }

@@ -23,7 +23,8 @@ class FullSearch final : public Contender {
   std::optional<Eigen::Vector3d> locate(const ImageView& luma) override {
     const auto seen = detector_.find_landmarks(luma);
     if (!seen) return std::nullopt;
-    const auto pose = test::best_pose(solver_.solve(luma, seen->front(), nullptr));
+    int pixels = WorkBudget{}.pixels;
+    const auto pose = test::best_pose(solver_.solve(luma, seen->front(), nullptr, pixels));
     if (!pose) return std::nullopt;
     return pose->T_landmark_camera.translation_m;
   }

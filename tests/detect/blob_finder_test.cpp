@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <set>
 #include <vector>
 
 #include "tests/detect/sharpened_spots.h"
@@ -50,8 +51,9 @@ TEST_P(DotSizes, AreFoundWithTheirCentreAreaAndAxes) {
   const double a_px = diameter_px / 2, b_px = a_px * 0.8;
   const auto pixels = one_ellipse(320.3, 200.7, a_px, b_px, 0.5, 1.5);
   BlobFinder finder(640, 480);
+  WorkBudget budget;
   BlobList blobs;
-  finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs);
+  finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs, budget);
   const Blob* blob = nearest(blobs, 320.3, 200.7);
   ASSERT_NE(blob, nullptr) << diameter_px;
   EXPECT_NEAR(blob->x_px, 320.3, 0.12 + 0.004 * diameter_px);
@@ -66,10 +68,11 @@ INSTANTIATE_TEST_SUITE_P(BlobFinder, DotSizes, testing::Values(2.6, 4.0, 8.0, 16
 TEST(BlobFinder, FindsTheSameBlobInAPartOfThePictureAsInTheWhole) {
   const auto pixels = one_ellipse(320.3, 200.7, 6, 5, 0.5, 1.5);
   BlobFinder finder(640, 480);
+  WorkBudget budget;
   BlobList whole, part;
-  finder.find_blobs({pixels.data(), 640, 480, 640}, {}, whole);
+  finder.find_blobs({pixels.data(), 640, 480, 640}, {}, whole, budget);
   const std::uint8_t* corner = pixels.data() + 140 * 640 + 260;
-  finder.find_blobs({corner, 120, 120, 640}, {}, part);
+  finder.find_blobs({corner, 120, 120, 640}, {}, part, budget);
   const Blob* a = nearest(whole, 320.3, 200.7);
   const Blob* b = nearest(part, 60.3, 60.7);
   ASSERT_TRUE(a != nullptr && b != nullptr);
@@ -79,10 +82,12 @@ TEST(BlobFinder, FindsTheSameBlobInAPartOfThePictureAsInTheWhole) {
 
 TEST(BlobFinder, LetsNoBlobBeNarrowerThanAPixel) {
   BlobFinder finder(640, 480);
+  WorkBudget budget;
   BlobList blobs;
   for (unsigned seed = 0; seed < 10; ++seed) {
     const auto pixels = test::sharpened_spots(seed);
-    finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs);
+    budget = {};
+    finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs, budget);
     for (const Blob& b : blobs) {
       const double pixel_px2 = 1.0 / 12 * (1 << (2 * b.level));
       const double narrow_px2 = 0.5 * (b.xx_px2 + b.yy_px2) - std::hypot(0.5 * (b.xx_px2 - b.yy_px2), b.xy_px2);
@@ -105,14 +110,56 @@ std::vector<std::uint8_t> dot_grid(int pitch_px) {
 
 TEST(BlobFinder, CountsTheBlobsThatItHasNoRoomFor) {
   BlobFinder finder(640, 480);
+  WorkBudget budget;
   BlobList blobs;
-  const auto few = dot_grid(40), many = dot_grid(12);  // 192 dots, 2067 dots
-  finder.find_blobs({few.data(), 640, 480, 640}, {0, 0}, blobs);
+  const auto few = dot_grid(40), many = dot_grid(11);  // 192 dots, 2494 dots
+  finder.find_blobs({few.data(), 640, 480, 640}, {0, 0}, blobs, budget);
   EXPECT_EQ(blobs.size(), 192U);
   EXPECT_EQ(finder.blobs_cut(), 0U);
-  finder.find_blobs({many.data(), 640, 480, 640}, {0, 0}, blobs);
+  finder.find_blobs({many.data(), 640, 480, 640}, {0, 0}, blobs, budget);
   EXPECT_TRUE(blobs.full());
-  EXPECT_EQ(finder.blobs_cut(), 2067U - kMaxBlobs);
+  EXPECT_EQ(finder.blobs_cut(), 2494U - kMaxBlobs);
+}
+
+TEST(BlobFinder, MeasuresByAndByWhatTheBudgetDoesNotAllowAtOnce) {
+  BlobFinder finder(640, 480);
+  const auto many = dot_grid(20);
+  std::set<std::pair<int, int>> seen;
+  for (int picture = 0; picture < 4; ++picture) {
+    BlobList blobs;
+    WorkBudget budget{.regions = 200};
+    finder.find_blobs({many.data(), 640, 480, 640}, {0, 0}, blobs, budget);
+    EXPECT_EQ(blobs.size(), 200U);
+    EXPECT_EQ(budget.regions, 0);
+    EXPECT_TRUE(budget.is_overdrawn);
+    for (const Blob& blob : blobs) seen.emplace(std::lround(blob.x_px), std::lround(blob.y_px));
+  }
+  EXPECT_EQ(seen.size(), 32U * 24U);
+}
+
+/// Thin vertical lines that no blob is made of, and a dot below them.
+TEST(BlobFinder, LooksByAndByAtRowsThatHadNoRoom) {
+  std::vector<std::uint8_t> pixels(640 * 480, 220);
+  // Blank rows where the noise is estimated: a picture that claims to have none.
+  for (int y = 0; y < 480; ++y)
+    for (int x = 0; x < 640; x += 3)
+      if (y % 8 != 4) pixels[static_cast<std::size_t>(y * 640 + x)] = 30;
+  for (int y = 440; y < 470; ++y)
+    for (int x = 300; x < 330; ++x)
+      pixels[static_cast<std::size_t>(y * 640 + x)] = std::hypot(x - 315, y - 455) < 4 ? 30 : 220;
+  BlobFinder finder(640, 480);
+  BlobList blobs;
+  WorkBudget budget;
+  finder.find_blobs({pixels.data(), 640, 480, 640}, {0, 0}, blobs, budget);
+  EXPECT_EQ(nearest(blobs, 315, 455), nullptr) << "or this picture tests nothing";
+  EXPECT_TRUE(budget.is_overdrawn);
+  bool seen = false;
+  for (int picture = 0; picture < 6; ++picture) {
+    budget = {};
+    finder.find_blobs({pixels.data(), 640, 480, 640}, {0, 0}, blobs, budget);
+    seen = seen || nearest(blobs, 315, 455) != nullptr;
+  }
+  EXPECT_TRUE(seen);
 }
 
 TEST(BlobFinder, TakesBlankPaperAndPureNoiseForNothing) {
@@ -121,11 +168,12 @@ TEST(BlobFinder, TakesBlankPaperAndPureNoiseForNothing) {
   std::vector<std::uint8_t> pixels(640 * 480);
   for (auto& pixel : pixels) pixel = static_cast<std::uint8_t>(std::clamp(noise(random), 0.0, 255.0));
   BlobFinder finder(640, 480);
+  WorkBudget budget;
   BlobList blobs;
-  finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs);
+  finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs, budget);
   EXPECT_LT(blobs.size(), 300U);
   std::fill(pixels.begin(), pixels.end(), std::uint8_t{120});
-  finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs);
+  finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs, budget);
   EXPECT_TRUE(blobs.empty());
 }
 

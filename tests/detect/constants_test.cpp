@@ -50,7 +50,8 @@ void measure(const test::Scene& scene, Extremes& e) {
   BlobFinder finder(640, 480);
   BlobList blobs;
   const test::Picture picture = test::render(scene, 1);
-  finder.find_blobs(picture.view(), {}, blobs);
+  WorkBudget budget;
+  finder.find_blobs(picture.view(), {}, blobs, budget);
   std::array<const Blob*, kDotCount> dots;
   for (std::size_t i = 0; i < kDotCount; ++i)
     dots[i] = blob_at(blobs, test::centroid_of_disc_px(scene.lens, scene.camera, scene.sheets[0].discs[i]), 1.5);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
 
 namespace ninedot {
 namespace {
@@ -32,16 +33,21 @@ struct Guesses {
   SortedBlobs sorted{640, 480};
   HypothesisList list;
   GuessCuts cuts;
+  int allowance = 1000000;
+  GuessBegin begin;
+
+  bool from_centre() { return guess_from_centre(sorted, kSheet, allowance, begin.centre, list, cuts); }
+  bool from_ring() { return guess_from_ring(sorted, kSheet, allowance, begin.middle, list, cuts); }
 };
 
 TEST(Hypothesis, OfAWholeRingHasAllNineDotsAndNothingIsCut) {
   Guesses g;
   add_ring(g.blobs, 300, 200, 60, 8);
   g.sorted.assign(g.blobs);
-  guess_from_centre(g.sorted, kSheet, g.list, g.cuts);
+  g.from_centre();
   ASSERT_EQ(g.list.size(), 1U);
   EXPECT_EQ(g.list[0].matched, 9);
-  guess_from_ring(g.sorted, kSheet, g.list, g.cuts);
+  g.from_ring();
   EXPECT_EQ(g.cuts.neighbours, 0U);
   EXPECT_EQ(g.cuts.hypotheses, 0U);
 }
@@ -50,7 +56,7 @@ TEST(Hypothesis, CountsNeighboursOfACentreThatItHasNoRoomFor) {
   Guesses g;
   add_ring(g.blobs, 300, 200, 150, 31);
   g.sorted.assign(g.blobs);
-  guess_from_centre(g.sorted, kSheet, g.list, g.cuts);
+  g.from_centre();
   EXPECT_EQ(g.cuts.neighbours, 31U - 24U);
 }
 
@@ -62,7 +68,7 @@ TEST(Hypothesis, CountsNeighboursOfARingDotThatItHasNoRoomFor) {
     add_disc(g.blobs, 300 + 48 * std::cos(a_rad), 200 + 48 * std::sin(a_rad), 10);
   }
   g.sorted.assign(g.blobs);
-  guess_from_ring(g.sorted, kSheet, g.list, g.cuts);
+  g.from_ring();
   EXPECT_GE(g.cuts.neighbours, 11U - 8U);
 }
 
@@ -70,12 +76,56 @@ TEST(Hypothesis, CountsGuessesBeyondTheListAndKeepsThoseWithMoreDots) {
   Guesses g;
   for (int i = 0; i < 100; ++i) add_ring(g.blobs, 25 + 43 * (i % 14), 25 + 43 * (i / 14), 15, i < 50 ? 5 : 8);
   g.sorted.assign(g.blobs);
-  guess_from_centre(g.sorted, kSheet, g.list, g.cuts);
+  g.from_centre();
   EXPECT_TRUE(g.list.full());
   int whole = 0;
   for (const Hypothesis& h : g.list) whole += h.matched == 9 ? 1 : 0;
   EXPECT_EQ(whole, 50);
   EXPECT_GE(g.cuts.hypotheses, 100U - kMaxHypotheses);
+}
+
+/// Twenty whole rings, far apart.
+void add_twenty_rings(BlobList& blobs) {
+  for (int i = 0; i < 20; ++i) add_ring(blobs, 60 + 120 * (i % 5), 60 + 120 * (i / 5), 40, 8);
+}
+
+std::set<std::int16_t> centres_of(const HypothesisList& list) {
+  std::set<std::int16_t> centres;
+  for (const Hypothesis& h : list) centres.insert(h.blob[kCentreDot]);
+  return centres;
+}
+
+TEST(Hypothesis, FromCentresThatRanOutOfAllowanceGoOnWithTheNextCentre) {
+  Guesses g;
+  add_twenty_rings(g.blobs);
+  g.sorted.assign(g.blobs);
+  std::set<std::int16_t> seen;
+  for (int picture = 0; picture < 4; ++picture) {
+    g.list.clear();
+    g.allowance = 6;
+    EXPECT_EQ(g.from_centre(), false) << picture;
+    EXPECT_EQ(g.allowance, 0);
+    EXPECT_EQ(g.list.size(), 6U);
+    seen.merge(centres_of(g.list));
+  }
+  EXPECT_EQ(seen.size(), 20U);
+  g.allowance = 20;
+  EXPECT_TRUE(g.from_centre());
+  EXPECT_EQ(g.begin.centre, 0U);
+}
+
+TEST(Hypothesis, FromTheRingGoOnAfterTheDotThatTookAllAllowance) {
+  Guesses g;
+  add_twenty_rings(g.blobs);
+  g.sorted.assign(g.blobs);
+  std::set<std::int16_t> seen;
+  for (int picture = 0; picture < 40 && seen.size() < 20; ++picture) {
+    g.list.clear();
+    g.allowance = 2;
+    EXPECT_EQ(g.from_ring(), false) << picture;
+    seen.merge(centres_of(g.list));
+  }
+  EXPECT_EQ(seen.size(), 20U);
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ TEST(WireReport, KnowsNothingOfAPoseBeforeTheFirst) {
 
 TEST(FrameMetrics, TakeTheFramesFromTheReportAndTheRestFromTheHealth) {
   Report report;
-  report.frames = {100, 7, 2, {1, 2, 3, 4}};
+  report.frames = {100, 7, 2, {1, 2, 3, 4, 5}};
   Health health;
   health.started_at = kNow - 3661900ms;
   health.frame_rate_hz = 35;
@@ -84,6 +84,7 @@ TEST(FrameMetrics, TakeTheFramesFromTheReportAndTheRestFromTheHealth) {
   EXPECT_EQ(metrics[MetricId::kBlobsCut], 2);
   EXPECT_EQ(metrics[MetricId::kNeighboursCut], 3);
   EXPECT_EQ(metrics[MetricId::kHypothesesCut], 4);
+  EXPECT_EQ(metrics[MetricId::kFramesCut], 5);
   EXPECT_TRUE(std::isnan(metrics[MetricId::kLatencyMedian])) << "no frame has been measured yet";
 }
 

@@ -141,6 +141,8 @@ TEST(Localiser, TheReportSaysWhatTheSearchHadNoRoomFor) {
   EXPECT_GT(report.frames.work.blobs_cut, 500U);
   EXPECT_GT(report.frames.work.neighbours_cut, 0U);
   EXPECT_EQ(report.frames.work.runs_cut, 0U);
+  EXPECT_EQ(report.frames.work.frames_cut, 1U);
+  EXPECT_EQ(report.reason, Reason::kCrowded);
 }
 
 TEST_P(LocaliserWithEachSolver, NeverTracksWhenToldNotTo) {

@@ -6,6 +6,8 @@
 #include "base/units.h"
 #include "pipeline/localiser.h"
 #include "pipeline/next_report.h"
+#include "tests/detect/sharpened_spots.h"
+#include "tests/support/process_picture.h"
 #include "tests/support/renderer.h"
 
 namespace ninedot {
@@ -39,6 +41,17 @@ test::Scene scene_at(const test::Viewpoint& viewpoint, double noise_lsb = 1.5) {
 double distance_m(const ReportPose& pose, const test::CameraPose& truth) {
   return std::hypot(pose.position_m[0] - truth.position_m[0], pose.position_m[1] - truth.position_m[1],
                     pose.position_m[2] - truth.position_m[2]);
+}
+
+/// What a picture of lone dark pixels, sharpened, is taken for.
+TEST(TrustFull, ASharpenedPictureOfLonePixelsIsNoLandmark) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const auto pixels = test::sharpened_spots(seed);
+    Localiser unit(CameraModel{}, {});
+    Report report;
+    test::process_picture(unit, {pixels.data(), 640, 480, 640}, MonoTime(1s), 1, report);
+    EXPECT_FALSE(report.valid) << seed;
+  }
 }
 
 class Trust : public testing::TestWithParam<Solver> {};

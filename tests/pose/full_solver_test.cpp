@@ -48,7 +48,8 @@ Result<PoseEstimate> pose_of(const test::Picture& picture) {
   FullSolver solver(CameraModel{}, LandmarkGeometry{});
   const auto seen = detector.find_landmarks(picture.view());
   if (!seen) return tl::unexpected<Error>(seen.error());
-  return test::best_pose(solver.solve(picture.view(), seen->front(), nullptr));
+  int pixels = WorkBudget{}.pixels;
+  return test::best_pose(solver.solve(picture.view(), seen->front(), nullptr, pixels));
 }
 
 double median(std::vector<double> values) {
@@ -195,14 +196,16 @@ struct OnePicture {
     const test::Picture picture = test::render(scene, 1);
     const auto found = detector.find_landmarks(picture.view());
     if (!found) return;
-    const auto candidates = solver.solve(picture.view(), found->front(), nullptr);
+    int pixels = WorkBudget{}.pixels;
+    const auto candidates = solver.solve(picture.view(), found->front(), nullptr, pixels);
     if (!candidates) return;
     const PoseCandidate& best = candidates->list[0];
     prior = PosePrior{best.pose.T_landmark_camera.inverse(), best.outlines, candidates->warp_px, true};
   }
   Result<PoseCandidates> follow(const test::Scene& scene, std::uint64_t seed) {
     const test::Picture picture = test::render(scene, seed);
-    return solver.follow(picture.view(), prior->T_camera_landmark, *prior, true);
+    int pixels = WorkBudget{}.pixels;
+    return solver.follow(picture.view(), prior->T_camera_landmark, *prior, true, pixels);
   }
   FullSolver solver{CameraModel{}, LandmarkGeometry{}};
   std::optional<PosePrior> prior;
@@ -257,7 +260,8 @@ TEST(FullSolver, RefusesAPictureThatShowsNoOutlines) {
   ASSERT_TRUE(seen.has_value());
   const std::vector<std::uint8_t> blank(640 * 480, 128);
   FullSolver solver(CameraModel{}, LandmarkGeometry{});
-  const auto pose = test::best_pose(solver.solve({blank.data(), 640, 480, 640}, seen->front(), nullptr));
+  int pixels = WorkBudget{}.pixels;
+  const auto pose = test::best_pose(solver.solve({blank.data(), 640, 480, 640}, seen->front(), nullptr, pixels));
   ASSERT_FALSE(pose.has_value());
   EXPECT_EQ(pose.error().code, Errc::kPoseDegenerate);
 }

@@ -35,7 +35,8 @@ TEST(StatusTable, SaysPoseUncertaintyHeadAndHealthInTheRegistersUnits) {
             "           11 connections since the start, 12 REFUSED, 13 expired, 14 frames of other units,\n"
             "           serial line LOST 15 times, serial line open\n"
             "servos     head LOST 16 times, pulses off by 7 us (p99), max 21\n"
-            "search     17 runs cut, 18 blobs cut, 19 hypotheses cut, 20 neighbours cut\n");
+            "search     17 runs cut, 18 blobs cut, 19 hypotheses cut, 20 neighbours cut,\n"
+            "           21 frames searched in part\n");
 }
 
 TEST(StatusTable, ShowsNothingThatIsNotKnownAsANumber) {

@@ -72,6 +72,7 @@ inline MetricValues known_metrics() {
   metrics[kBlobsCut] = 18;
   metrics[kHypothesesCut] = 19;
   metrics[kNeighboursCut] = 20;
+  metrics[kFramesCut] = 21;
   return metrics;
 }
 

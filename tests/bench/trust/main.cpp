@@ -31,6 +31,7 @@ constexpr const char* kUsage =
     "  --read FILE          another run's --csv instead of a run, so that several make one page; may be given again\n"
     "  --save FOLDER        the pictures that are wrong and valid, as PNG\n"
     "  --save-all FOLDER    all of them\n"
+    "  --slowest N          with --save: instead, the N that took longest (tests/bench/trust/slowest.sh)\n"
     "Exit status: 0 all limits kept, 1 one is passed or a file can't be written, 2 wrong usage.\n";
 
 struct Options {
@@ -42,6 +43,7 @@ struct Options {
   std::filesystem::path out, csv, save;
   std::vector<std::filesystem::path> read;
   bool save_all = false;
+  int slowest = 0;
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 };
 
@@ -69,6 +71,8 @@ bool parse(const std::vector<std::string_view>& arguments, Options& options) {
       options.read.emplace_back(value);
     } else if (name == "--save" || name == "--save-all") {
       options.save = value, options.save_all = name == "--save-all";
+    } else if (name == "--slowest" && number > 0) {
+      options.slowest = number;
     } else if (name == "--threads" && number > 0) {
       options.threads = number;
     } else {
@@ -124,7 +128,11 @@ bool write_page(const Options& options, const std::string& page) {
 
 // \return  false: said on standard error
 bool draw_and_judge(const Options& options, const std::vector<Job>& jobs, Tallies& tallies) {
-  RunOptions how{static_cast<unsigned>(options.threads), nullptr, options.save, options.save_all,
+  RunOptions how{static_cast<unsigned>(options.threads),
+                 nullptr,
+                 options.save,
+                 options.save_all,
+                 static_cast<std::size_t>(options.slowest),
                  isatty(STDERR_FILENO) != 0};
   if (!options.csv.empty()) {
     how.csv = std::fopen(options.csv.c_str(), "w");

@@ -37,7 +37,11 @@ class Collector {
       tallies_[job][strip.kind].add(v);
       pictures_ += 1, wrong_ += v.wrong ? 1 : 0;
       if (options_.csv != nullptr) lines_[job] += csv_line(strip, frame, v);
-      if ((v.wrong || options_.save_all) && !options_.save.empty()) save(strip, frame);
+      if (options_.save.empty()) continue;
+      if (options_.slowest > 0)
+        keep_if_slow(v.work_ms, strip, frame);
+      else if (v.wrong || options_.save_all)
+        save(file_name_of(strip, frame), strip.shots[frame].picture);
     }
   }
 
@@ -55,6 +59,7 @@ class Collector {
   }
 
   Tallies result() const {
+    for (const Slow& slow : slowest_) save(slow.file_name, slow.picture);
     Tallies all;
     for (const Tallies& of_job : tallies_)
       for (const auto& [kind, tally] : of_job) all[kind].add(tally);
@@ -63,9 +68,24 @@ class Collector {
   }
 
  private:
-  void save(const Strip& strip, std::size_t frame) const {
-    const std::string path = (options_.save / file_name_of(strip, frame)).string();
-    if (!write_png_grey(path, strip.shots[frame].picture.view())) fmt::print(stderr, "trust: cannot write {}\n", path);
+  struct Slow {
+    double work_ms;
+    std::string file_name;
+    test::Picture picture;
+  };
+
+  void keep_if_slow(double work_ms, const Strip& strip, std::size_t frame) {
+    const std::scoped_lock lock(mutex_);
+    const auto place =
+        std::find_if(slowest_.begin(), slowest_.end(), [=](const Slow& s) { return s.work_ms < work_ms; });
+    if (place == slowest_.end() && slowest_.size() >= options_.slowest) return;
+    slowest_.insert(place, {work_ms, file_name_of(strip, frame), strip.shots[frame].picture});
+    if (slowest_.size() > options_.slowest) slowest_.pop_back();
+  }
+
+  void save(const std::string& file_name, const test::Picture& picture) const {
+    const std::string path = (options_.save / file_name).string();
+    if (!write_png_grey(path, picture.view())) fmt::print(stderr, "trust: cannot write {}\n", path);
   }
 
   const RunOptions& options_;
@@ -75,6 +95,7 @@ class Collector {
   std::mutex mutex_;  // of what follows
   std::vector<bool> done_;
   std::size_t count_done_ = 0, next_line_ = 0;
+  std::vector<Slow> slowest_;  // the slowest first
 };
 
 }  // namespace

@@ -12,6 +12,7 @@ struct RunOptions {
   std::FILE* csv = nullptr;      ///< a line per picture
   std::filesystem::path save{};  ///< PNG of every picture that is wrong and valid; empty: none
   bool save_all = false;         ///< of every picture
+  std::size_t slowest = 0;       ///< instead: of so many that took longest, once all are judged
   bool progress = false;         ///< on standard error
 };
 
