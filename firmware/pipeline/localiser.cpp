@@ -137,7 +137,7 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
   fix_.solver = options_.solver;
   noise_ = PictureNoise(frame.luma);
   misfit_.reset();
-  budget_ = {};
+  budget_ = options_.budget;
 
   // Without tracking a frame's answer depends on that frame alone.
   if (!options_.tracking || track_.is_numbering_refuted()) track_.reset();
@@ -153,10 +153,11 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
   } else {
     track_.lose_pose(track_.has_sighting());
     fix_.reason = reason_of(chosen.error().code);
-    budget_.is_overdrawn |= budget_.pixels <= 0;
+    const bool out_of_pixels = budget_.pixels <= 0;
     // What was tried first comes last in the next frame.
-    if (budget_.pixels <= 0 && next_guess_ == 0) next_guess_ = 1;
-    if (fix_.reason == Reason::kNoLandmark && budget_.is_overdrawn) fix_.reason = Reason::kCrowded;
+    if (out_of_pixels && next_guess_ == 0) next_guess_ = 1;
+    budget_.is_overdrawn |= out_of_pixels;
+    if (out_of_pixels || (fix_.reason == Reason::kNoLandmark && budget_.is_overdrawn)) fix_.reason = Reason::kCrowded;
     if (misfit_) {
       candidates_ = *misfit_;
       add_fix(0, false);

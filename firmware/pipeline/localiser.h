@@ -18,6 +18,7 @@ struct LocaliserOptions {
   EllipseCalibration ellipse{};
   bool tracking = true;  ///< look where the landmark was before searching the whole picture
   TrustLimits trust{};   ///< what is beyond them is found, but not valid
+  WorkBudget budget{};   ///< what one frame may cost
   LandmarkMap map{};     ///< one landmark as yet: the first is the one that is seen
   bool calibrated = true;
 };

@@ -145,6 +145,32 @@ TEST(Localiser, TheReportSaysWhatTheSearchHadNoRoomFor) {
   EXPECT_EQ(report.reason, Reason::kCrowded);
 }
 
+/// Something large that only looks like a landmark is the likeliest guess and takes all pixels in vain.
+TEST(Localiser, GoesOnWithTheNextGuessWhereAFrameSpentItsPixels) {
+  test::Scene near;
+  near.camera = test::look_at_landmark({.distance_m = 0.4, .tilt_rad = 0.35});
+  for (auto* x_m : {&near.sheets[0].discs[2].x_m, &near.sheets[0].discs[5].z_m}) *x_m += 0.003;
+  test::Scene far;
+  far.camera = test::look_at_landmark({.distance_m = 2.5, .tilt_rad = 0.35});
+  test::Picture picture = test::render(near, 1);
+  const test::Picture other = test::render(far, 1);
+  std::rotate(picture.pixels.begin(), picture.pixels.begin() + 130, picture.pixels.end());  // to the left
+  for (int y = 200; y < 280; ++y)
+    for (int x = 280; x < 360; ++x) picture.pixels[static_cast<std::size_t>(y * 640 + x + 220)] = other.view().at(x, y);
+  LocaliserOptions options;
+  options.budget.pixels = 2000;
+  Localiser unit(CameraModel{}, options);
+  Report report;
+  const auto see = [&](std::uint64_t number) {
+    test::process_picture(unit, picture.view(), MonoTime(1s) + number * 30ms, number, report);
+  };
+  see(0);
+  EXPECT_EQ(report.reason, Reason::kCrowded) << "or this picture tests nothing";
+  for (std::uint64_t number = 1; number < 4 && !report.valid; ++number) see(number);
+  EXPECT_TRUE(report.valid);
+  EXPECT_GT(report.camera_in_landmark.position_m[1], 2);
+}
+
 TEST_P(LocaliserWithEachSolver, NeverTracksWhenToldNotTo) {
   const test::Picture picture = test::render(scene_at(1.5), 1);
   Localiser unit(CameraModel{}, {.solver = GetParam(), .tracking = false});

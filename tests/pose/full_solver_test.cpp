@@ -253,6 +253,26 @@ TEST(FullSolverTrack, AsksForADetectorWhenTheLandmarkIsNotQuiteThere) {
   }
 }
 
+TEST(FullSolver, ThinsThePixelsOfALandmarkThatFillsThePictureAndAnswersNothingWithoutAny) {
+  const test::Scene scene = scene_at({.distance_m = 0.3, .tilt_rad = 0.3});
+  const test::Picture picture = test::render(scene, 1);
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  const auto seen = detector.find_landmarks(picture.view());
+  ASSERT_TRUE(seen.has_value());
+  FullSolver solver(CameraModel{}, LandmarkGeometry{});
+  int plenty = 1'000'000, few = 15'000, none = 0;
+  const auto all = solver.solve(picture.view(), seen->front(), nullptr, plenty);
+  const auto thinned = solver.solve(picture.view(), seen->front(), nullptr, few);
+  ASSERT_TRUE(all && thinned);
+  EXPECT_GT(1'000'000 - plenty, 20'000) << "or this picture tests nothing";
+  EXPECT_GT(few, 0) << "it took what was there";
+  const auto apart_m =
+      (all->list[0].pose.T_landmark_camera.translation_m - thinned->list[0].pose.T_landmark_camera.translation_m)
+          .norm();
+  EXPECT_LT(apart_m, 1e-4 * 0.3);
+  EXPECT_FALSE(solver.solve(picture.view(), seen->front(), nullptr, none).has_value());
+}
+
 TEST(FullSolver, RefusesAPictureThatShowsNoOutlines) {
   const test::Picture picture = test::render(scene_at({.distance_m = 1}), 1);
   Detector detector(CameraModel{}, LandmarkGeometry{});

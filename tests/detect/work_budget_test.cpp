@@ -1,0 +1,52 @@
+#include "detect/work_budget.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace ninedot {
+namespace {
+
+TEST(WorkBudget, GoesRoundFromWhereItEndedAndBeginsAnewOnceItGotThrough) {
+  std::size_t begin_at = 0;
+  std::vector<std::size_t> tried;
+  const auto go = [&](int allowance) {
+    return go_round(4, begin_at, [&](std::size_t rank) {
+      if (!take_one(allowance)) return false;
+      tried.push_back(rank);
+      return true;
+    });
+  };
+  EXPECT_EQ(go(3), 3U);
+  EXPECT_EQ(begin_at, 3U);
+  EXPECT_EQ(go(3), 3U);
+  EXPECT_EQ(tried, (std::vector<std::size_t>{0, 1, 2, 3, 0, 1}));
+  EXPECT_EQ(begin_at, 2U);
+  EXPECT_EQ(go(4), 4U);
+  EXPECT_EQ(begin_at, 0U);
+}
+
+TEST(WorkBudget, WhatIsTooMuchForOnePictureIsNotTriedForEver) {
+  std::size_t begin_at = 2;
+  const auto too_much = [](std::size_t) { return false; };
+  EXPECT_EQ(go_round(4, begin_at, too_much), 0U);
+  EXPECT_EQ(begin_at, 3U);
+  EXPECT_EQ(go_round(4, begin_at, too_much), 0U);
+  EXPECT_EQ(go_round(4, begin_at, too_much), 0U) << "beyond the last comes the first";
+  EXPECT_EQ(begin_at, 1U);
+}
+
+TEST(WorkBudget, LetsHalfBeSpentAndKeepsWhatWasNot) {
+  int allowance = 9;
+  EXPECT_EQ(with_half(allowance,
+                      [](int& half) {
+                        const int had = half;
+                        half -= 3;
+                        return had;
+                      }),
+            5);
+  EXPECT_EQ(allowance, 6);
+}
+
+}  // namespace
+}  // namespace ninedot
