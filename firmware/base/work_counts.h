@@ -6,8 +6,7 @@
 namespace ninedot {
 
 /// Each but the last counts one thing left out, not one picture; since the start, all wrap at 2^32. All were 0 over the
-/// recordings that show a landmark; twenty look-alikes without one (rings, grids, wallpaper) had 0, 151, 1105 and 1655,
-/// for then every guess is tried.
+/// recordings that show a landmark.
 struct WorkCounts {
   std::uint32_t runs_cut = 0;        ///< dark stretches of a row (RegionFinder)
   std::uint32_t blobs_cut = 0;       ///< dark spots: more than kMaxBlobs, or than are measured (BlobFinder)

@@ -5,11 +5,12 @@
 
 namespace ninedot {
 
-/// Allowances for one picture; work takes from them. The pictures of a room take a tenth of each.
+/// Allowances for one picture; work takes from them. The pictures of a room take a tenth of each,
+/// and a third of the pixels.
 /// tests/bench/trust/slowest.sh counts what the worst pictures cost with these, in instructions (docs/trust.md).
 struct WorkBudget {
   int regions = 3500;       ///< dark regions measured (blob_moments.h), about 3,000 instructions each
-  int guesses = 100;        ///< guesses tried on the blobs and looked up in the picture (hypothesis.h), about 60,000
+  int guesses = 100;        ///< guesses tried on the blobs and looked up in the picture (hypothesis.h), about 100,000
   int second_guesses = 40;  ///< the same, kept back for find_more_landmarks
   /// Pixels fitted to outlines (outline_refiner.h), one per pixel and stage, about 430. A usual landmark takes 8,000;
   /// one that fills the picture is fitted to every second or third pixel instead.

@@ -172,6 +172,9 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
   } else {
     mirror = w.weigh_mirror(luma, prior != nullptr && prior->side_is_settled, candidates.warp_px, true, pixels);
   }
+  // A mirror image that there was nothing left to refine with is not excluded by a glance.
+  if (pixels <= 0 && mirror && !mirror->refined && !starts.centroids_decide())
+    return fail(Errc::kPoseDegenerate, "the mirror image could not be looked at any more");
   if (mirror && mirror->refined) {
     if (mirror->chi2_above < 0) std::swap(best, *mirror);
     mirror->chi2_above = std::abs(mirror->chi2_above) + std::abs(best.chi2_above);

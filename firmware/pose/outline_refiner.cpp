@@ -27,7 +27,11 @@ constexpr std::array<Stage, 7> kStages{{{1.5, false, false},
                                         {0.12, false, true},
                                         {0.12, false, true}}};
 constexpr int kRoughStage = 0, kCloseStage = 1;
-constexpr int kUsualStages = 3;        // that follow the rough one
+constexpr int kUsualStages = 3;  // that follow the rough one
+constexpr int kMostThinned = 3;  // every third: half the precision at most
+// What is left of the pixels by thinning: below, groups would have hardly more pixels than unknowns of their own, and
+// fit whatever is there.
+constexpr int kLeastThinned = 2500;
 constexpr int kRoughThinning = 3;      // of the pixels, while the pose is off by tenths of a pixel
 constexpr double kRoughBand_px = 3.5;  // a rough start is good to two pixels, and half of the blur's reach on top
 // Pixels up to this many sigmas of the blur from an outline: beyond, their grey levels hardly depend on its place.
@@ -96,8 +100,9 @@ bool OutlineRefiner::look_again_if_stale(int stage) noexcept {
   };
   collect(look_.thinned ? kRoughThinning : 1);
   // Rather every second pixel to the end than all of them half the way.
-  const auto wanted = static_cast<int>(pixels_.count) * kUsualStages;
-  if (!look_.thinned && wanted > pixels_left_) collect((wanted + pixels_left_ - 1) / pixels_left_);
+  const auto count = static_cast<int>(pixels_.count);
+  const int thinning = std::min((count * kUsualStages + pixels_left_ - 1) / pixels_left_, kMostThinned);
+  if (!look_.thinned && thinning > 1 && count / thinning >= kLeastThinned) collect(thinning);
   return !pixels_.groups.empty();
 }
 

@@ -158,7 +158,7 @@ TEST(Localiser, GoesOnWithTheNextGuessWhereAFrameSpentItsPixels) {
   for (int y = 200; y < 280; ++y)
     for (int x = 280; x < 360; ++x) picture.pixels[static_cast<std::size_t>(y * 640 + x + 220)] = other.view().at(x, y);
   LocaliserOptions options;
-  options.budget.pixels = 2000;
+  options.budget.pixels = 7000;
   Localiser unit(CameraModel{}, options);
   Report report;
   const auto see = [&](std::uint64_t number) {

@@ -273,6 +273,30 @@ TEST(FullSolver, ThinsThePixelsOfALandmarkThatFillsThePictureAndAnswersNothingWi
   EXPECT_FALSE(solver.solve(picture.view(), seen->front(), nullptr, none).has_value());
 }
 
+/// Every answer that a small allowance leaves has its mirror image refined where a large one does, and is the same.
+TEST(FullSolver, HasNoAnswerRatherThanOneWhoseMirrorImageItHadNoPixelsLeftFor) {
+  const test::Picture picture = test::render(scene_at({.distance_m = 7, .tilt_rad = 0.35}), 1);
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  const auto seen = detector.find_landmarks(picture.view());
+  ASSERT_TRUE(seen.has_value());
+  FullSolver solver(CameraModel{}, LandmarkGeometry{});
+  int plenty = 1'000'000;
+  const auto all = solver.solve(picture.view(), seen->front(), nullptr, plenty);
+  ASSERT_TRUE(all && all->list.size() == 2 && all->list[1].refined) << "or this picture tests nothing";
+  int refused = 0;
+  for (int allowed = 100; allowed < 1'000'000 - plenty + 500; allowed += 100) {
+    int pixels = allowed;
+    const auto answer = solver.solve(picture.view(), seen->front(), nullptr, pixels);
+    refused += answer ? 0 : 1;
+    if (!answer) continue;
+    ASSERT_EQ(answer->list.size(), 2U) << allowed;
+    EXPECT_TRUE(answer->list[1].refined) << allowed;
+    EXPECT_EQ(answer->list[0].pose.T_landmark_camera.translation_m, all->list[0].pose.T_landmark_camera.translation_m)
+        << allowed;
+  }
+  EXPECT_GT(refused, 0);
+}
+
 TEST(FullSolver, RefusesAPictureThatShowsNoOutlines) {
   const test::Picture picture = test::render(scene_at({.distance_m = 1}), 1);
   Detector detector(CameraModel{}, LandmarkGeometry{});
