@@ -53,6 +53,7 @@ ln -s /proc/self/fd/0 "$root/dev/stdin"
 ln -s /proc/self/fd/1 "$root/dev/stdout"
 ln -s /proc/self/fd/2 "$root/dev/stderr"
 mount -t tmpfs -o mode=1777 tmpfs "$root/dev/shm"
+mount -t sysfs -o ro sysfs "$root/sys"
 mount --bind "$packages" "$root/var/cache/apt/archives"
 exec chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb CI=true \
   /bin/bash -c "cd /root/ninedot && \"\$@\"" ninedot "$@"

@@ -47,6 +47,16 @@ struct OutlineFit {
   double residual_lsb = 0;
 };
 
+/// How far the outlines lie from those of discs of the landmark's sizes, in shares of the radius of the ring's dots,
+/// 0.. (outline_shape.h).
+struct OutlineShape {
+  double size = 0;    ///< some larger than others against the landmark's: of the median dot [1]
+  double second = 0;  ///< longer one way than the other: amplitude of the median dot [1]
+  double fourth = 0;  ///< with four corners: likewise [1]
+  double centre = 0;  ///< P9 aside [1]
+  int absent = 0;     ///< dots that are printed elsewhere [1]
+};
+
 /// One reading of a picture.
 struct PoseCandidate {
   PoseEstimate pose;  ///< `ambiguity` is left to who chooses
@@ -58,6 +68,7 @@ struct PoseCandidate {
   bool refined = true;
   OptimiserStatistics statistics;                 ///< of its refinement
   OutlineFit fit;                                 ///< of its outlines; solver "full"
+  OutlineShape shape;                             ///< likewise; 0 where it was not asked for: foretold, or excluded
   double dot_radius_px = 0;                       ///< of the ring's dots, likewise, seen from in front
   OutlineState outlines;                          ///< solver "full": what a next frame may start from
   std::array<double, kDotCount> visible_share{};  ///< of each dot's outline, where it belongs. 0..1

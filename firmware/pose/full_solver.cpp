@@ -141,7 +141,7 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
   }
   if (angle_between_rad(first.state().T_camera_landmark, second.state().T_camera_landmark) < kSamePose_rad)
     return std::nullopt;
-  mirror = candidate_of(second, camera, landmark);
+  mirror = candidate_of(second, camera, landmark, true);
   // Half of the difference from the pixels of either: neither's choice of pixels and weights decides.
   mirror.chi2_above = 0.5 * (first.chi2_above(second.state()) - second.chi2_above(first.state()));
   return mirror;
@@ -160,7 +160,7 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
   if (seen.seen_count > static_cast<int>(kLeastCentroids)) candidates.warp_px = kWarpShare * starts.rms_px;
   if (!w.refine_first(luma, seen, starts, prior, candidates.warp_px, pixels))
     return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
-  PoseCandidate best = candidate_of(w.first, w.camera, w.landmark);
+  PoseCandidate best = candidate_of(w.first, w.camera, w.landmark, true);
 
   std::optional<PoseCandidate> mirror;
   if (starts.centroids_decide()) {
@@ -202,7 +202,7 @@ Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const CameraFro
     return lost;
   PoseCandidates candidates;
   candidates.warp_px = prior.warp_px;
-  (void)candidates.list.try_push_back(candidate_of(w.first, w.camera, w.landmark));
+  (void)candidates.list.try_push_back(candidate_of(w.first, w.camera, w.landmark, false));
   if (look_at_mirror) {
     const auto mirror = w.weigh_mirror(luma, prior.side_is_settled, prior.warp_px, false, pixels);
     if (mirror && mirror->refined) return lost;
@@ -218,7 +218,7 @@ Result<PoseCandidate> FullSolver::examine(const ImageView& luma, const CameraFro
   start.T_camera_landmark = T_camera_landmark;
   if (!refiner.refine(luma, start, OutlineRefiner::Start::kRough, 0, pixels).has_converged())
     return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
-  return candidate_of(refiner, workspace_->camera, workspace_->landmark);
+  return candidate_of(refiner, workspace_->camera, workspace_->landmark, true);
 }
 
 }  // namespace ninedot

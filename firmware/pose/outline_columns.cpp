@@ -215,4 +215,23 @@ void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const 
   }
 }
 
+void turn_to_shape(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, std::int32_t begin,
+                   std::size_t used, ColumnBatches& batches) noexcept {
+  const auto first = static_cast<std::size_t>(group.first + begin);
+  for (std::size_t i = 0; i < used; ++i) {
+    const float mx = pixels.ray_x[first + i], my = pixels.ray_y[first + i];
+    const float depth = 1 / (view.F(2, 0) * mx + view.F(2, 1) * my + view.F(2, 2));
+    const float X = (view.F(0, 0) * mx + view.F(0, 1) * my + view.F(0, 2)) * depth - view.C.x();
+    const float Z = (view.F(1, 0) * mx + view.F(1, 1) * my + view.F(1, 2)) * depth - view.C.y();
+    const float rho = std::sqrt(X * X + Z * Z + kNotAtCentre_m2);
+    const float cos1 = X / rho, sin1 = Z / rho;
+    const float cos2 = cos1 * cos1 - sin1 * sin1, sin2 = 2 * cos1 * sin1;
+    OutlineColumns& columns = batches[i / kLanes];
+    const std::size_t lane = i % kLanes;
+    const float out = columns[6][lane];
+    const std::array<float, 7> shape{1, cos1, sin1, cos2, sin2, cos2 * cos2 - sin2 * sin2, 2 * cos2 * sin2};
+    for (std::size_t c = 0; c < shape.size(); ++c) columns[c][lane] = shape[c] * out;
+  }
+}
+
 }  // namespace ninedot

@@ -51,4 +51,13 @@ struct DotView {
 void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, std::int32_t begin,
                   std::size_t used, ColumnBatches& batches) noexcept;
 
+/// Puts the shape of the dot in place of the pose and the offset: how the grey levels change when its outline moves out
+/// by h(angle) [px] where h is each of 1, cos, sin of the angle on the sheet, of twice and of four times the angle
+/// [1/px].
+/// \param begin  index in the group of the first pixel [1] \param used  1..kLanes * kMaxBatches
+/// \param batches  as fill_columns left them, of the same pixels
+/// Memory: none. Threads: pure.
+void turn_to_shape(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, std::int32_t begin,
+                   std::size_t used, ColumnBatches& batches) noexcept;
+
 }  // namespace ninedot

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pose/outline_shape.h"
+
 // Stage by stage: look at the pixels along the outlines where the state says they are, weigh their groups, step. An
 // early stage trusts the state less; only late ones may end.
 
@@ -110,7 +112,8 @@ bool OutlineRefiner::linearise(int stage) noexcept {
   if (pixels_left_ <= 0 || !look_again_if_stale(stage)) return false;
   pixels_left_ -= static_cast<int>(pixels_.count);
   const auto groups = pixels_.groups.span();
-  for (std::size_t g = 0; g < groups.size(); ++g) fit_group(pixels_, groups[g], landmark_, state_, true, fits_[g]);
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    fit_group(pixels_, groups[g], landmark_, state_, Asked::kState, fits_[g]);
   weigh_groups(groups, fits_, std::max(stage_of(stage).shift_floor_px, warp_px_), weights_);
   // An outline that is not where it is looked for fits as badly as one that a shadow's edge crosses.
   look_.split_since = stage_of(stage).may_split && !is_first_of_expectation(stage) &&
@@ -192,8 +195,8 @@ double OutlineRefiner::chi2_above(const OutlineState& other) const noexcept {
   GroupFit theirs, ours;
   for (std::size_t i = 0; i < pixels_.groups.size(); ++i) {
     if (weights_.weight[i] <= 0) continue;
-    fit_group(pixels_, pixels_.groups[i], landmark_, other, false, theirs);
-    fit_group(pixels_, pixels_.groups[i], landmark_, state_, false, ours);
+    fit_group(pixels_, pixels_.groups[i], landmark_, other, Asked::kLightOnly, theirs);
+    fit_group(pixels_, pixels_.groups[i], landmark_, state_, Asked::kLightOnly, ours);
     difference +=
         weights_.weight[i] * (theirs.squared_residuals - ours.squared_residuals) / weights_.noise_variance_lsb2;
   }
@@ -211,6 +214,18 @@ std::array<double, kDotCount> OutlineRefiner::visible_share() const noexcept {
   for (std::size_t dot = 0; dot < kDotCount; ++dot)
     if (groups[dot] > 0) share[dot] = static_cast<double>(good[dot]) / groups[dot];
   return share;
+}
+
+double OutlineRefiner::dot_radius_px() const noexcept {
+  return camera_.fx_px * landmark_.dot_radius_m / state_.T_camera_landmark.translation_m.norm();
+}
+
+OutlineShape OutlineRefiner::shape() const noexcept {
+  const auto visible = visible_share();
+  OutlineShape shape =
+      shape_of_outlines(pixels_, landmark_, state_, visible, weights_.noise_variance_lsb2, dot_radius_px());
+  shape.absent = count_absent(luma_, camera_, landmark_, state_.T_camera_landmark, visible, weights_.fit);
+  return shape;
 }
 
 }  // namespace ninedot

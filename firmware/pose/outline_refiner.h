@@ -38,8 +38,14 @@ class OutlineRefiner {
   /// Of a dot's groups, the share whose outline is where it belongs, though its light may be spoiled. 0..1
   std::array<double, kDotCount> visible_share() const noexcept;
 
+  /// Whether these are discs. Costs as much as a stage.
+  OutlineShape shape() const noexcept;
+
   /// Every dot was taken whole, or is large: no shadow's edge crosses the landmark.
   bool is_light_smooth() const noexcept;
+
+  /// Of the ring's dots, seen from in front. [px]
+  double dot_radius_px() const noexcept;
 
   const OutlineState& state() const noexcept { return state_; }
   const OptimiserStatistics& statistics() const noexcept { return statistics_; }

@@ -102,13 +102,13 @@ void take_normal(const Elimination& left, GroupFit& fit) noexcept {
 }  // namespace
 
 void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const LandmarkGeometry& landmark,
-               const OutlineState& state, bool with_normal, GroupFit& fit) noexcept {
+               const OutlineState& state, Asked asked, GroupFit& fit) noexcept {
   fit.usable = false;
   const std::size_t own = group.whole_dot ? 5 : group.at_paper_edge ? 3 : 2;  // paper, ink, beyond, two slopes
   fit.degrees_of_freedom = group.count - 2 - (group.whole_dot ? 2 : 0) - (group.at_paper_edge ? 1 : 0);
   if (fit.degrees_of_freedom < kLeastFreedom) return;
 
-  const std::size_t first = with_normal ? 0 : kGreyColumn, end = kPaperColumn + own;
+  const std::size_t first = asked == Asked::kLightOnly ? kGreyColumn : 0, end = kPaperColumn + own;
   const DotView view(pixels, landmark, state, group.dot);
   ProductSums sums;
   alignas(16) ColumnBatches batches;
@@ -116,6 +116,7 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
   for (std::size_t at = 0; at < count; at += kLanes * kMaxBatches) {
     const std::size_t used = std::min(kLanes * kMaxBatches, count - at);
     fill_columns(pixels, group, view, static_cast<std::int32_t>(at), used, batches);
+    if (asked == Asked::kShape) turn_to_shape(pixels, group, view, static_cast<std::int32_t>(at), used, batches);
     for (std::size_t batch = 0; batch * kLanes < used; ++batch) sums.add(batches[batch], first, end);
   }
   if (sums(kPaperColumn, kPaperColumn) < kLeastPaper_px2 || sums(kInkColumn, kInkColumn) < kLeastInk_px2) return;
@@ -127,7 +128,7 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
   fit.contrast_lsb = light.paper_lsb - light.ink_lsb;
   fit.squared_residuals = std::max(left(kGreyColumn, kGreyColumn), 0.0);
   fit.usable = std::isfinite(fit.squared_residuals);
-  if (with_normal && fit.usable) take_normal(left, fit);
+  if (asked != Asked::kLightOnly && fit.usable) take_normal(left, fit);
 }
 
 }  // namespace ninedot

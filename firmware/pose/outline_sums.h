@@ -23,9 +23,13 @@ struct GroupFit {
   UnknownVector gradient;
 };
 
-/// Evaluates one group at a state. \param with_normal  false: residuals, contrast and paper only
+/// What is asked of a group: nothing but residuals, contrast and paper; or also what moves its outline (`normal` and
+/// `gradient`): the unknowns of the state, or in place of those of the pose the shape of its dot (outline_shape.h).
+enum class Asked : std::uint8_t { kLightOnly, kState, kShape };
+
+/// Evaluates one group at a state.
 /// Memory: none. Threads: pure.
 void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const LandmarkGeometry& landmark,
-               const OutlineState& state, bool with_normal, GroupFit& fit) noexcept;
+               const OutlineState& state, Asked asked, GroupFit& fit) noexcept;
 
 }  // namespace ninedot

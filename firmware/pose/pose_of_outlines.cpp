@@ -40,11 +40,27 @@ constexpr double kNoiseMisfit_px = 0.8;   // times residual over contrast: an ou
 // Common offset of all outlines, in sigmas of the blur: sRGB moves a blurred edge by 0.47 of them, whatever the blur
 // (0.5 to 1.9 px, rendered); more is another size of dots. Inwards clipped paper moves them as well, twice as far.
 constexpr double kMostOffset = 0.6, kMostInwards = 1.2, kMostOffset_px = 0.1;
+// Of a dot's radius, how far outlines may lie from discs' (outline_shape.h). Over 1500 rendered pictures true landmarks
+// had 0.04 at most (size), 0.04 (second), 0.024 (fourth) and 0.1 (P9 aside, warped sheets). A square has 0.13 (fourth),
+// an ellipse of 0.6 to 1 has 0.26 (second), dots of growing size 0.1.
+constexpr double kMostSize = 0.05, kMostSecond = 0.12, kMostFourth = 0.04, kMostAside = 0.2;
+// Motion that blurs half of a dot leaves up to 0.28 (second).
+constexpr double kSharp_px2 = 0.9, kPerBlur = 2;
 // Of P9's outline. A straight edge that leaves five ring dots leaves two thirds of P9's outline, one that leaves four a
 // quarter: half of that, for the dots beside the edge count as whole when they are not quite.
 constexpr double kCentreBesideFive = 0.33, kCentreBesideFour = 0.12;
 constexpr double kWholeDot = 0.9;            // visible share: the dot counts as whole
 constexpr double kCentreOfWholeRing = 0.75;  // of P9's outline, where nothing hides a dot around it
+
+bool are_discs(const PoseCandidate& candidate) noexcept {
+  const OutlineShape& shape = candidate.shape;
+  const double smeared = std::max(candidate.outlines.blur_px2 - kSharp_px2, 0.0) / std::pow(candidate.dot_radius_px, 2);
+  const auto& visible = candidate.visible_share;
+  const bool ring_is_whole =
+      std::all_of(visible.begin(), visible.begin() + kRingDotCount, [](double share) { return share >= kWholeDot; });
+  return shape.size <= kMostSize && shape.second <= kMostSecond + kPerBlur * smeared && shape.fourth <= kMostFourth &&
+         shape.absent == 0 && !(ring_is_whole && shape.centre > kMostAside);
+}
 
 /// What hides a landmark comes from outside: it hides P9 after dots of the ring, and neighbours together.
 bool is_plausibly_hidden(const std::array<double, kDotCount>& visible) noexcept {
@@ -87,16 +103,16 @@ int occlusion_level(const std::array<double, kDotCount>& visible) noexcept {
 
 }  // namespace
 
-PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& camera,
-                           const LandmarkGeometry& landmark) noexcept {
+PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& camera, const LandmarkGeometry& landmark,
+                           bool look_at_shape) noexcept {
   PoseCandidate candidate;
   candidate.outlines = refiner.state();
   candidate.statistics = refiner.statistics();
   candidate.fit = refiner.fit();
-  candidate.dot_radius_px =
-      camera.fx_px * landmark.dot_radius_m / refiner.state().T_camera_landmark.translation_m.norm();
+  candidate.dot_radius_px = refiner.dot_radius_px();
   candidate.visible_share = refiner.visible_share();
   candidate.light_smooth = refiner.is_light_smooth();
+  if (look_at_shape) candidate.shape = refiner.shape();
   PoseEstimate& pose = candidate.pose;
   pose.T_landmark_camera = refiner.state().T_camera_landmark.inverse();
   pose.rms_px = refiner.rms_px();
@@ -123,6 +139,7 @@ bool fits_picture(const PoseCandidate& candidate, const PictureNoise& noise) noe
   const double most_px = (offset_px < 0 ? kMostInwards : kMostOffset) * blur_px + kMostOffset_px;
   if (!(std::abs(offset_px) <= most_px)) return false;
   if (!is_plausibly_hidden(candidate.visible_share)) return false;
+  if (!are_discs(candidate)) return false;
   return fit.residual_lsb <= kMostResidual * fit.contrast_lsb &&
          fit.residual_lsb * fit.residual_lsb <= kFitNoise * kFitNoise * noise_lsb2 + light_lsb * light_lsb;
 }

@@ -8,10 +8,10 @@
 
 namespace ninedot {
 
-/// \param refiner  that has converged
+/// \param refiner  that has converged \param look_at_shape  whether these are discs: for what is not tracked already
 /// Memory: none. Threads: pure.
-PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& camera,
-                           const LandmarkGeometry& landmark) noexcept;
+PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& camera, const LandmarkGeometry& landmark,
+                           bool look_at_shape) noexcept;
 
 /// Whether the picture's grey levels agree with a pose, judged by the picture's own noise: something that only
 /// resembles a landmark leaves residuals of an eighth of its contrast and more, however well its outlines fit each

@@ -16,7 +16,7 @@ double squares(const OutlinePixels& pixels, const OutlineState& state) {
   double sum = 0;
   GroupFit fit;
   for (const OutlineGroup& group : pixels.groups) {
-    fit_group(pixels, group, LandmarkGeometry{}, state, false, fit);
+    fit_group(pixels, group, LandmarkGeometry{}, state, Asked::kLightOnly, fit);
     sum += fit.squared_residuals;
   }
   return sum;
@@ -50,7 +50,7 @@ TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
   UnknownMatrix normal = UnknownMatrix::Zero();
   GroupFit fit;
   for (const OutlineGroup& group : pixels.groups) {
-    fit_group(pixels, group, LandmarkGeometry{}, state, true, fit);
+    fit_group(pixels, group, LandmarkGeometry{}, state, Asked::kState, fit);
     ASSERT_TRUE(fit.usable);
     gradient += fit.gradient;
     normal += fit.normal;

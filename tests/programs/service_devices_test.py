@@ -1,6 +1,7 @@
 """ninedotd and the devices that are missing, come, and go; and `ninedot check` beside it."""
 
 import os
+import shutil
 import socket
 import sys
 import tempfile
@@ -8,7 +9,7 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(__file__))
-from service_harness import APPROACH, PATIENCE_S, Client, Service, config_text, free_port, int16, run, serial_line
+from service_harness import APPROACH, BIN, PATIENCE_S, Client, Service, config_text, free_port, int16, run, serial_line
 
 VALID = 1 << 0
 
@@ -90,8 +91,8 @@ class WaitingForDevices(unittest.TestCase):
 class CheckBesideARunningService(unittest.TestCase):
     """The service is known by its socket: it may keep this machine's clients out."""
 
-    def checked(self, service, **options):
-        result = run("ninedot", "check", "--config", service.config, **options)
+    def checked(self, service, program="ninedot", **options):
+        result = run(program, "check", "--config", service.config, **options)
         self.assertEqual(result.returncode, 0, result.stderr)
         return result.stdout
 
@@ -106,12 +107,17 @@ class CheckBesideARunningService(unittest.TestCase):
     @unittest.skipUnless(os.geteuid() == 0, "only root may be somebody else")
     def test_as_a_user_who_may_not_see_its_sockets(self):
         port = free_port()
-        with Service(config_text(port=port)) as service:
-            service.wait_for_log("found at")
-            for path in (service.config, service.config.parent):
-                path.chmod(0o755)
-            self.assertIn(f"port {port} is in use; a ninedotd is running, which may be what has it: root sees whether it is",
-                          self.checked(service, user="nobody"))
+        # What that user needs lies where it may read, wherever this tree lies.
+        with tempfile.TemporaryDirectory(prefix="ninedot-test-") as readable:
+            os.chmod(readable, 0o755)
+            program = shutil.copy(BIN / "ninedot", readable)
+            recording = shutil.copytree(APPROACH, os.path.join(readable, "approach"))
+            with Service(config_text(recording, port=port)) as service:
+                service.wait_for_log("found at")
+                for path in (service.config, service.config.parent):
+                    path.chmod(0o755)
+                self.assertIn(f"port {port} is in use; a ninedotd is running, which may be what has it: root sees whether it is",
+                              self.checked(service, program, user="nobody"))
 
 
 if __name__ == "__main__":

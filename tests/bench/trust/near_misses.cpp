@@ -36,6 +36,7 @@ Shot draw_near_miss(const NearMiss& kind, std::uint64_t seed) {
   kind.paint(canvas, random);
   Look look = random_look(random);
   look.fold = kind.fold;
+  look.repeat = look.repeat && kind.repeats;
   Shot shot;
   shot.picture = look_at(canvas, look, seed);
   return shot;

@@ -11,7 +11,8 @@ namespace ninedot::bench {
 struct NearMiss {
   const char* name;
   void (*paint)(Canvas& canvas, test::Random& random);
-  double fold = 0;  ///< see Look
+  double fold = 0;      ///< see Look
+  bool repeats = true;  ///< copies beside it; not where a copy cut by the picture's border would hide what is wrong
 };
 
 std::vector<NearMiss> ring_near_misses();     ///< rings of dots with something wrong

@@ -1,0 +1,137 @@
+#include "pose/outline_shape.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "base/inline_vector.h"
+
+namespace ninedot {
+namespace {
+
+constexpr double kShapeSigma_px = 1;    // prior: what the pixels say nothing of stays zero
+constexpr double kBlurSigma_px2 = 0.1;  // prior of a dot's own blur: it is the same for all
+// What noise makes of the square of an amplitude of two parts, in its variances: 2 ln 2 in the median of many, and so
+// much more in the median of nine once in thirty.
+constexpr double kNoiseVariances = 2.9;
+constexpr double kSizeSigmas = 1.5;  // likewise, of one part and the median's
+// An outline that noise leaves less sure than this share of the radius has no shape to speak of.
+constexpr double kLeastSure = 0.1;
+constexpr int kLeastDots = 3;
+// A dot that is printed elsewhere leaves paper in its place and ink beside it. Places off the outlines' blur, in radii
+// of a ring's dot from where it belongs; what hides a dot has the grey of paper in some of them by chance.
+constexpr int kDirections = 16, kLeastBare = 4, kLeastInked = 2;
+constexpr double kInside = 0.7;
+constexpr std::array<double, 5> kBeside{1.6, 2.0, 2.4, 2.8, 3.2};  // the next dot begins at 3.8
+constexpr double kThere = 0.75;                                    // of its outline: a dot that is where it belongs
+constexpr double kPaper = 0.15, kInk = 0.5;                        // how much darker than paper, of the contrast
+
+// The unknowns in place of the pose's and the offset's (outline_columns.h).
+enum Part : Eigen::Index {
+  kAllAround = 0,
+  kCos1 = 1,
+  kSin1 = 2,
+  kCos2 = 3,
+  kSin2 = 4,
+  kCos4 = 5,
+  kSin4 = 6,
+  kShapeUnknowns = 7
+};
+
+using Amounts = InlineVector<double, kDotCount>;
+
+double square(double x) noexcept { return x * x; }
+double root_beyond(double squared, double by_noise) noexcept { return std::sqrt(std::max(squared - by_noise, 0.0)); }
+
+double middle_of(Amounts& amounts) noexcept {
+  const auto middle = amounts.begin() + static_cast<std::ptrdiff_t>(amounts.size() / 2);
+  std::nth_element(amounts.begin(), middle, amounts.end());
+  return *middle;
+}
+
+}  // namespace
+
+OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const OutlineState& state,
+                               const std::array<double, kDotCount>& visible_share, double noise_variance_lsb2,
+                               double dot_radius_px) noexcept {
+  std::array<UnknownMatrix, kDotCount> normal;
+  std::array<UnknownVector, kDotCount> gradient;
+  normal.fill(UnknownMatrix::Zero());
+  gradient.fill(UnknownVector::Zero());
+  GroupFit fit;
+  for (const OutlineGroup& group : pixels.groups.span()) {
+    if (visible_share[group.dot] < kMinVisible) continue;
+    fit_group(pixels, group, landmark, state, Asked::kShape, fit);
+    if (!fit.usable) continue;
+    normal[group.dot] += fit.normal / noise_variance_lsb2;
+    gradient[group.dot] += fit.gradient / noise_variance_lsb2;
+  }
+
+  Amounts size_px, size_sigma_px, second_px, fourth_px;  // as many as dots: no push can fail
+  double centre_px = 0;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    UnknownMatrix& N = normal[dot];
+    if (!(N(kAllAround, kAllAround) > 0)) continue;
+    N.diagonal().head<kShapeUnknowns>().array() += 1 / (kShapeSigma_px * kShapeSigma_px);
+    N.diagonal().tail<kUnknowns - kShapeUnknowns>().array() += 1 / (kBlurSigma_px2 * kBlurSigma_px2);
+    const UnknownMatrix covariance = N.inverse();
+    const UnknownVector part_px = covariance * gradient[dot];
+    const double sigma_px = std::sqrt(covariance.diagonal().head<kShapeUnknowns>().maxCoeff());
+    if (!(sigma_px < kLeastSure * dot_radius_px)) continue;
+    const auto amplitude_px = [&](Part cosine, Part sine) {
+      return root_beyond(square(part_px(cosine)) + square(part_px(sine)), kNoiseVariances * square(sigma_px));
+    };
+    if (dot == kCentreDot) centre_px = amplitude_px(kCos1, kSin1);
+    (void)size_px.try_push_back(part_px(kAllAround));
+    (void)size_sigma_px.try_push_back(sigma_px);
+    (void)second_px.try_push_back(amplitude_px(kCos2, kSin2));
+    (void)fourth_px.try_push_back(amplitude_px(kCos4, kSin4));
+  }
+  if (size_px.size() < kLeastDots) return {};
+
+  Amounts sorted = size_px;
+  const double usual_px = middle_of(sorted);
+  for (std::size_t i = 0; i < size_px.size(); ++i)
+    size_px[i] = root_beyond(square(size_px[i] - usual_px), square(kSizeSigmas * size_sigma_px[i]));
+  return {middle_of(size_px) / dot_radius_px, middle_of(second_px) / dot_radius_px,
+          middle_of(fourth_px) / dot_radius_px, centre_px / dot_radius_px, 0};
+}
+
+int count_absent(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
+                 const CameraFromLandmark& T_camera_landmark, const std::array<double, kDotCount>& visible_share,
+                 const OutlineFit& fit) noexcept {
+  const auto is_missing = [&](std::size_t dot) { return visible_share[dot % kRingDotCount] < kThere; };
+  /// How much darker than paper, in contrasts; none: it is not in the picture.
+  const auto darkness_at = [&](const Eigen::Vector2d& plane_m) -> std::optional<double> {
+    const Eigen::Vector3d p = T_camera_landmark * Eigen::Vector3d(plane_m.x(), 0, plane_m.y());
+    if (!(p.z() > 0)) return std::nullopt;
+    const Eigen::Vector2d px = camera.pixel_from_normalised(p.hnormalized());
+    if (!(px.x() >= 0 && px.y() >= 0 && px.x() <= luma.width_px - 1 && px.y() <= luma.height_px - 1))
+      return std::nullopt;
+    const int grey_lsb = luma.at(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
+    return (fit.paper_lsb - grey_lsb) / fit.contrast_lsb;
+  };
+  int absent = 0;
+  for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
+    const bool before = is_missing(dot + 7), after = is_missing(dot + 1);
+    const bool row_is_short = !(before && (after || is_missing(dot + 6))) && !(after && is_missing(dot + 2));
+    if (!is_missing(dot) || !row_is_short) continue;
+    int bare = 0, inked = 0;
+    for (int i = 0; i < kDirections; ++i) {
+      const double a_rad = i * 2 * std::numbers::pi / kDirections;
+      const auto at = [&](double radii) -> Eigen::Vector2d {
+        return landmark.centre_m(dot) +
+               radii * landmark.dot_radius_m * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad));
+      };
+      const auto inside = darkness_at(at(kInside));
+      bare += inside && std::abs(*inside) < kPaper;
+      for (const double radii : kBeside) inked += darkness_at(at(radii)) > kInk;
+    }
+    if (bare >= kLeastBare && inked >= kLeastInked) ++absent;
+  }
+  return absent;
+}
+
+}  // namespace ninedot

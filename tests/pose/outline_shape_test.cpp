@@ -1,0 +1,169 @@
+// Whether what was fitted is the landmark: prints that differ from it in one thing each, and the landmark itself from
+// all sides.
+#include "pose/outline_shape.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "detect/detector.h"
+#include "pose/full_solver.h"
+#include "pose/pose_of_outlines.h"
+#include "tests/support/renderer.h"
+
+namespace ninedot {
+namespace {
+
+constexpr double kDot_m = 0.0127, kRing_m = 0.080;
+
+struct Looked {
+  PoseCandidate candidate;
+  bool fits = false;
+};
+
+/// What the detector's first guess leads to; nothing where it leads nowhere.
+std::optional<Looked> look_at(const test::Sheet& sheet, const test::Viewpoint& viewpoint) {
+  test::Scene scene;
+  scene.camera = test::look_at_landmark(viewpoint);
+  set_noise(scene.sensor, 1.5);
+  scene.sheets = {sheet};
+  const test::Picture picture = test::render(scene, 1);
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  const auto seen = detector.find_landmarks(picture.view());
+  if (!seen) return std::nullopt;
+  FullSolver solver(CameraModel{}, LandmarkGeometry{});
+  int pixels = 100'000;
+  const auto answer = solver.solve(picture.view(), seen->front(), nullptr, pixels);
+  if (!answer) return std::nullopt;
+  return Looked{answer->list[0], fits_picture(answer->list[0], PictureNoise(picture.view()))};
+}
+
+constexpr test::Viewpoint kUsual{.distance_m = 1.2, .tilt_rad = 0.4, .azimuth_rad = 0.7};
+
+/// Moves a dot outwards, along the ring, by so many of its radii.
+test::Sheet with_moved_dot(std::size_t dot, double out_radii, double along_radii) {
+  test::Sheet sheet = test::nine_dot_sheet();
+  test::Disc& disc = sheet.discs[dot];
+  const double x = disc.x_m / kRing_m, z = disc.z_m / kRing_m;
+  disc.x_m += kDot_m * (out_radii * x - along_radii * z);
+  disc.z_m += kDot_m * (out_radii * z + along_radii * x);
+  return sheet;
+}
+
+TEST(OutlineShape, OfTheLandmarkItselfIsThatOfDiscsFromEverySide) {
+  for (const double distance_m : {0.4, 1.0, 2.5, 4.5})
+    for (const double tilt_rad : {0.0, 0.5, 1.1})
+      for (const double azimuth_rad : {0.3, 2.0, 4.0}) {
+        if (distance_m > 4 && tilt_rad > 1) continue;  // not found
+        const auto looked = look_at(test::nine_dot_sheet(),
+                                    {.distance_m = distance_m, .tilt_rad = tilt_rad, .azimuth_rad = azimuth_rad});
+        ASSERT_TRUE(looked) << distance_m << " m, " << tilt_rad;
+        const OutlineShape& shape = looked->candidate.shape;
+        EXPECT_TRUE(looked->fits) << distance_m << " m, " << tilt_rad;
+        EXPECT_LT(shape.size, 0.02);
+        EXPECT_LT(shape.second, 0.02);
+        EXPECT_LT(shape.fourth, 0.02);
+        EXPECT_LT(shape.centre, 0.1);
+        EXPECT_EQ(shape.absent, 0);
+      }
+}
+
+TEST(OutlineShape, TellsSquaresOfTheSameArea) {
+  for (const double distance_m : {0.6, 1.2, 2.0}) {
+    test::Sheet sheet = test::nine_dot_sheet();
+    for (const test::Disc& disc : sheet.discs) {
+      const double half_m = 0.5 * std::sqrt(std::numbers::pi) * disc.radius_m;
+      sheet.bars.push_back({disc.x_m - half_m, disc.z_m, disc.x_m + half_m, disc.z_m, 2 * half_m});
+    }
+    sheet.discs.clear();
+    const auto looked = look_at(sheet, {.distance_m = distance_m, .tilt_rad = 0.4, .azimuth_rad = 0.7});
+    ASSERT_TRUE(looked) << "or this picture tests nothing: " << distance_m << " m";
+    EXPECT_NEAR(looked->candidate.shape.fourth, 0.11, 0.03) << distance_m << " m";
+    EXPECT_FALSE(looked->fits) << distance_m << " m";
+  }
+}
+
+TEST(OutlineShape, TellsDotsThatAreLongerOneWay) {
+  test::Sheet sheet = test::nine_dot_sheet();
+  for (std::size_t dot = 0; dot < 8; ++dot) {
+    // A capsule across the ring's radius, a third longer than wide: two discs side by side.
+    const test::Disc disc = sheet.discs[dot];
+    const double off_m = 0.32 * kDot_m, x = disc.x_m / kRing_m, z = disc.z_m / kRing_m;
+    for (const double side : {-1.0, 1.0})
+      sheet.discs.push_back({disc.x_m + side * off_m * z, disc.z_m - side * off_m * x, 0.9 * kDot_m});
+  }
+  sheet.discs.erase(sheet.discs.begin(), sheet.discs.begin() + 8);
+  const auto looked = look_at(sheet, {.distance_m = 3.5, .tilt_rad = 0.4, .azimuth_rad = 0.7});
+  ASSERT_TRUE(looked) << "or this picture tests nothing";
+  EXPECT_NEAR(looked->candidate.shape.second, 0.15, 0.02);
+  EXPECT_FALSE(looked->fits);
+}
+
+TEST(OutlineShape, TellsDotsOfGrowingSize) {
+  test::Sheet sheet = test::nine_dot_sheet();
+  for (std::size_t dot = 0; dot < 8; ++dot) sheet.discs[dot].radius_m *= 0.83 + 0.05 * static_cast<double>(dot);
+  const auto looked = look_at(sheet, kUsual);
+  ASSERT_TRUE(looked) << "or this picture tests nothing";
+  EXPECT_NEAR(looked->candidate.shape.size, 0.08, 0.03);
+  EXPECT_FALSE(looked->fits);
+}
+
+/// Where dots are small. Nearer it is an outlier, which counts as hidden, and what hides it should hide the ring.
+TEST(OutlineShape, TellsAMiddleThatIsAside) {
+  test::Sheet sheet = test::nine_dot_sheet();
+  sheet.discs[8].x_m += 0.24 * kDot_m;
+  const auto looked = look_at(sheet, {.distance_m = 5, .tilt_rad = 0.4, .azimuth_rad = 0.7});
+  ASSERT_TRUE(looked) << "or this picture tests nothing";
+  EXPECT_NEAR(looked->candidate.shape.centre, 0.23, 0.02);
+  EXPECT_FALSE(looked->fits);
+}
+
+TEST(OutlineShape, TellsADotThatIsPrintedElsewhere) {
+  for (const double radii : {0.9, 1.5, 2.2})
+    for (const bool out : {false, true}) {
+      const auto looked = look_at(with_moved_dot(2, out ? radii : 0, out ? 0 : radii), kUsual);
+      if (!looked) continue;  // the detector has refused it
+      EXPECT_EQ(looked->candidate.shape.absent, 1) << radii << (out ? " out" : " along");
+      EXPECT_FALSE(looked->fits) << radii << (out ? " out" : " along");
+    }
+}
+
+/// By `count_absent` alone: the dots of a row are taken as missing whatever is there.
+int absent_of(const test::Sheet& sheet, std::initializer_list<std::size_t> missing) {
+  test::Scene scene;
+  scene.camera = test::look_at_landmark(kUsual);
+  set_noise(scene.sensor, 1.5);
+  scene.sheets = {sheet};
+  const test::Picture picture = test::render(scene, 1);
+  const auto whole = look_at(test::nine_dot_sheet(), kUsual);
+  std::array<double, kDotCount> visible;
+  visible.fill(1);
+  for (const std::size_t dot : missing) visible[dot] = 0;
+  return count_absent(picture.view(), CameraModel{}, LandmarkGeometry{}, whole->candidate.outlines.T_camera_landmark,
+                      visible, whole->candidate.fit);
+}
+
+TEST(CountAbsent, AsksForPaperInTheDotsPlaceAndInkBesideIt) {
+  const test::Sheet moved = with_moved_dot(2, 0, 2);
+  EXPECT_EQ(absent_of(moved, {2}), 1);
+  EXPECT_EQ(absent_of(test::nine_dot_sheet(), {2}), 0) << "it is where it belongs";
+  test::Sheet hidden = test::nine_dot_sheet();
+  hidden.discs.push_back({hidden.discs[2].x_m, hidden.discs[2].z_m, 2 * kDot_m, 0.3});
+  EXPECT_EQ(absent_of(hidden, {2}), 0) << "a grey thing before it";
+  hidden.discs.back().reflectance = hidden.reflectance;
+  EXPECT_EQ(absent_of(hidden, {2}), 0) << "a white thing before it: no ink beside";
+}
+
+TEST(CountAbsent, LeavesLongRowsToWhatHidesThem) {
+  test::Sheet moved = with_moved_dot(2, 0, 2);
+  EXPECT_EQ(absent_of(moved, {2, 3}), 1);
+  EXPECT_EQ(absent_of(moved, {1, 2, 3}), 0);
+  EXPECT_EQ(absent_of(moved, {2, 3, 4}), 0);
+  EXPECT_EQ(absent_of(moved, {0, 1, 2}), 0);
+  EXPECT_EQ(absent_of(moved, {2, 5}), 1);
+}
+
+}  // namespace
+}  // namespace ninedot
