@@ -74,6 +74,9 @@ inline constexpr auto kOwnRegisters = [] {
   { 48, "qx_float",            kF32,       1,      "",     0,        0,       kRead, "the same, x"},
   { 50, "qy_float",            kF32,       1,      "",     0,        0,       kRead, "the same, y"},
   { 52, "qz_float",            kF32,       1,      "",     0,        0,       kRead, "the same, z"},
+  { 54, "rival_x_32",          kI32,       0.001,  "mm",   -kI32Max, kI32Max, kRead, "where the camera is by the likeliest other reading of the newest frame, x in the world; unknown while there is none"},
+  { 56, "rival_y_32",          kI32,       0.001,  "mm",   -kI32Max, kI32Max, kRead, "the same, y"},
+  { 58, "rival_z_32",          kI32,       0.001,  "mm",   -kI32Max, kI32Max, kRead, "the same, z (up)"},
   { 78, "health_flags",        kBits16,    1,      "",     0,        kU16Max, kRead, "health flags, see below"},
   { 80, "probe_int32",         kI32,       1,      "",     -kI32Max, kI32Max, kRead, "always -1 (0xFFFF 0xFFFF): signed numbers are read as signed"},
   { 82, "probe_word_order",    kU32,       1,      "",     0,        kU32Max, kRead, "always 0x12345678: the word order of 32-bit integers"},
@@ -82,10 +85,14 @@ inline constexpr auto kOwnRegisters = [] {
   {101, "command_sequence",    kU16,       1,      "",     0,        kU16Max, kReadWrite, "write a number other than the last one to carry out register 100"},
   {102, "command_acknowledge", kU16,       1,      "",     0,        kU16Max, kRead, "command_sequence of the last command that has ended; one whose place a newer one took does not end"},
   {103, "command_result",      kU16,       1,      "",     0,        kU16Max, kRead, "of command_sequence: 0 none yet, 1 running, 2 done, 3 failed, see below"},
-  {104, "hold",                kU16,       1,      "",     0,        1,       kReadWrite, "1 freezes registers 2-53 for this client (age and staleness go on); 0 releases; releases itself"},
+  {104, "hold",                kU16,       1,      "",     0,        1,       kReadWrite, "1 freezes registers 2-59 and 118-121 for this client (age and staleness go on); 0 releases; releases itself"},
   {105, "pan_set_point",       kI16,       0.01,   "deg",  -18000,   18000,   kReadWrite, "for command 2, positive to the left"},
   {106, "tilt_set_point",      kI16,       0.01,   "deg",  -9000,    9000,    kReadWrite, "for command 2, positive upwards"},
   {107, "client_watchdog",     kU16,       1,      "ms",   0,        kU16Max, kReadWrite, "0 off; else this client must send a request within this time, or the head goes back to following"},
+  {118, "rival_rotation_x_16", kI16,       1,      "mrad", -kI16Max, kI16Max, kRead, "of the reading of registers 54-59: rotation vector camera to world, x"},
+  {119, "rival_rotation_y_16", kI16,       1,      "mrad", -kI16Max, kI16Max, kRead, "the same, y"},
+  {120, "rival_rotation_z_16", kI16,       1,      "mrad", -kI16Max, kI16Max, kRead, "the same, z"},
+  {121, "rival_odds",          kU16,       0.001,  "",     0,        1000,    kRead, "odds that it is the right one; 0 while there is none"},
   });
 }();
 // clang-format on
@@ -167,6 +174,9 @@ NINEDOT_REGISTER(kHealthFlags, "health_flags");
 NINEDOT_REGISTER(kExceptions, "exceptions");
 NINEDOT_REGISTER(kProbeInt32, "probe_int32");
 NINEDOT_REGISTER(kProbeWordOrder, "probe_word_order");
+NINEDOT_REGISTER(kRivalX32, "rival_x_32");
+NINEDOT_REGISTER(kRivalRotationX16, "rival_rotation_x_16");
+NINEDOT_REGISTER(kRivalOdds, "rival_odds");
 NINEDOT_REGISTER(kProbeFloat, "probe_float");
 NINEDOT_REGISTER(kPulseErrorP99, "pulse_error_p99");
 NINEDOT_REGISTER(kPulseErrorMax, "pulse_error_max");

@@ -58,7 +58,10 @@ WireReport wire_report(const Report& report) noexcept {
   wire.reason = report.reason;
   wire.quality = report.quality;
   wire.rival_odds = report.rival.odds;
-  if (report.rival.odds > 0) wire.rival_in_landmark = wire_pose(report.rival.camera_in_landmark);
+  if (report.rival.odds > 0) {
+    wire.rival_in_landmark = wire_pose(report.rival.camera_in_landmark);
+    wire.rival_in_world = wire_pose(report.rival.camera_in_world);
+  }
   if (report.has_pose) fill_pose(report, wire);
   wire.has_head = report.head.present;
   wire.servo_limit = report.head.limited;

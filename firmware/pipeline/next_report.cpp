@@ -35,7 +35,9 @@ void fill_rival(const LandmarkFix& fix, Report& report) noexcept {
   report.rival = {};
   if (!fix.candidates.rival) return;
   const auto& T = fix.candidates.rival->T_landmark_camera;
-  report.rival = {fix.candidates.rival->odds, report_pose(T.translation_m, T.quaternion())};
+  const auto T_world = fix.T_world_camera * fix.pose().T_landmark_camera.inverse() * T;
+  report.rival = {fix.candidates.rival->odds, report_pose(T.translation_m, T.quaternion()),
+                  report_pose(T_world.translation_m, T_world.quaternion())};
 }
 
 /// \param exposed_at  of a valid pose: where the head stood then; null: where it stands now

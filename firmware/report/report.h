@@ -28,8 +28,8 @@ struct ReportPose {
 
 /// Another reading of the newest frame's landmark.
 struct ReportRival {
-  double odds = 0;                ///< that it is the right one, 0..1; 0: there is none
-  ReportPose camera_in_landmark;  ///< means something where the odds are above 0
+  double odds = 0;                                 ///< that it is the right one, 0..1; 0: there is none
+  ReportPose camera_in_landmark, camera_in_world;  ///< mean something where the odds are above 0
 };
 
 /// How far the newest order to the head has come.

@@ -26,12 +26,12 @@ std::string number(double value, int digits) {
 }
 
 /// A register's value; NaN where it stands for "unknown": a measured quantity at the end of its range, or no landmark
-/// yet. An age and an ambiguity at their end are what they say.
+/// yet. An age, an ambiguity and odds at their end are what they say.
 double known_value(const RegisterReader& r, std::uint16_t address) {
   const RegisterEntry& entry = *find_register(address);
   const double value = r.value(address);
-  const bool is_measured =
-      entry.type == RegisterType::kU16 && entry.scale != 1 && address != reg::kAmbiguity && address != reg::kAge;
+  const bool is_measured = entry.type == RegisterType::kU16 && entry.scale != 1 && address != reg::kAmbiguity &&
+                           address != reg::kAge && address != reg::kRivalOdds;
   const bool has_end = is_measured || address == reg::kLandmarkId;
   return has_end && value >= static_cast<double>(entry.highest) * entry.scale ? std::numeric_limits<double>::quiet_NaN()
                                                                               : value;
@@ -174,6 +174,11 @@ std::string status_table(const RegisterReader& r) {
   add(text, "landmark   {} of 9 dots, residual {} px, ambiguity {}, {} solver\n", r.integer(reg::kDotsUsed),
       number(known_value(r, reg::kResidual), 3), number(known_value(r, reg::kAmbiguity), 2),
       r.status(status_bit::kEllipseSolver) ? "ellipse" : "full");
+  // In the newest frame; what stands above is of the newest valid one.
+  if (r.value(reg::kRivalOdds) > 0)
+    add(text, "or else    x {} y {} z {} mm, by another reading: odds {}\n", number(known_value(r, reg::kRivalX32), 1),
+        number(known_value(r, reg::kRivalX32 + 2), 1), number(known_value(r, reg::kRivalX32 + 4), 1),
+        number(r.value(reg::kRivalOdds), 3));
   if (r.status(status_bit::kHasHead))
     add(text, "head       pan {} deg, tilt {} deg{}{}{}\n", number(known_value(r, reg::kPan), 2),
         number(known_value(r, reg::kTilt), 2), r.status(status_bit::kServoLimit) ? ", at its LIMIT" : "",

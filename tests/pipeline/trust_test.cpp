@@ -62,6 +62,25 @@ TEST_P(Trust, ALevelViewIsValidAndHasNoRival) {
   EXPECT_LT(look.report.ambiguity, 1e-4);
 }
 
+TEST_P(Trust, TheRivalStandsInTheWorldWhereTheMapHasItsLandmark) {
+  MappedLandmark hung;
+  hung.T_world_landmark.rotation = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  hung.T_world_landmark.translation_m = {3, -2, 1.5};
+  const Look look(scene_at({.distance_m = 0.7, .tilt_rad = 0.3, .roll_rad = 22.5 * kRadPerDeg}),
+                  {.solver = GetParam(), .map = LandmarkMap({hung})});
+  ASSERT_GT(look.report.rival.odds, 0.05);
+  const auto vector = [](const ReportPose& pose) { return Eigen::Vector3d::Map(pose.position_m.data()); };
+  const auto rotation = [](const ReportPose& pose) {
+    const auto& q = pose.quaternion_wxyz;
+    return Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+  };
+  const ReportRival& rival = look.report.rival;
+  EXPECT_LT((hung.T_world_landmark * vector(rival.camera_in_landmark) - vector(rival.camera_in_world)).norm(), 1e-9);
+  EXPECT_LT((Eigen::Quaterniond(hung.T_world_landmark.rotation) * rotation(rival.camera_in_landmark))
+                .angularDistance(rotation(rival.camera_in_world)),
+            1e-9);
+}
+
 TEST_P(Trust, ARollBetweenTwoNumberingsIsAmbiguousAndTheRivalIsTheOtherOne) {
   const test::Scene scene = scene_at({.distance_m = 0.7, .tilt_rad = 0.3, .roll_rad = 22.5 * kRadPerDeg});
   const Look look(scene, {.solver = GetParam()});

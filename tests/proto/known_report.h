@@ -31,6 +31,8 @@ inline WireReport known_report(MonoTime now) {
   constexpr double kDegPerRad = 180 / std::numbers::pi;
   report.sigma_world_deg = {0.0005 * kDegPerRad, 0.001 * kDegPerRad, 0.002 * kDegPerRad};
   report.ambiguity = 0.123;
+  report.rival_odds = 0.12;
+  report.rival_in_world = {{-321.5, 4000.25, 17}, {std::cos(0.65), -0.3 * s, 0.4 * s, 1.2 * s}};
   report.rms_px = 0.0456;
   report.dots_used = 9;
   report.has_head = report.servo_limit = report.inhibited = true;

@@ -34,6 +34,7 @@ TEST(RegisterMap, TheAddressesThatControllersRelyOnStandWhereTheyAlwaysStood) {
   EXPECT_EQ(reg::kPan, 37);
   EXPECT_EQ(reg::kPoseSequenceCopy, 39);
   EXPECT_EQ(reg::kXFloat, 40);
+  EXPECT_EQ(reg::kRivalX32, 54);
   EXPECT_EQ(reg::kFrameRate, 60);
   EXPECT_EQ(reg::kProbeInt32, 80);
   EXPECT_EQ(reg::kCommand, 100);
