@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 
 #include "base/contract.h"
 #include "base/startup_error.h"
@@ -85,10 +86,12 @@ std::unique_ptr<PanTilt> open_late(const Config& config, const DigitalInput* inh
   PoweredHeadOpener::OpenPower power;
   if (const GpioConfig& gpio = config.gpio; !gpio.servo_power.empty())
     power = [line = GpioLineOptions{gpio.servo_power, gpio.servo_power_active_low}] { return open_gpio_output(line); };
-  const auto opener = std::make_shared<PoweredHeadOpener>(servos, power);
+  const bool is_camera = config.pan_tilt.driver == "visca";
+  const auto opener =
+      std::make_shared<PoweredHeadOpener>(servos, power, is_camera ? PowerComes::kFirst : PowerComes::kLast);
   LatePanTiltOptions options;
   options.neutral = aim_options(config.pan_tilt).neutral;
-  options.reopens_failed = config.pan_tilt.driver != "visca";
+  options.reopens_failed = !is_camera;
   if (inhibit != nullptr) options.may_move = [inhibit] { return !inhibit->is_active(); };
   auto head = std::make_unique<LatePanTilt>([opener] { return opener->open(); }, options);
   devices.push_back(
@@ -108,9 +111,21 @@ std::unique_ptr<DigitalOutput> open_late_output(const char* name, const GpioLine
   return output;
 }
 
+/// udev gives a port several names; the configuration's own check knows equal ones only.
+void check_ports_differ(const Config& config) {
+  if (config.pan_tilt.driver != "visca" || !config.modbus_rtu.enabled) return;
+  std::error_code absent;
+  const auto head = std::filesystem::canonical(config.pan_tilt.device, absent);
+  if (!absent && head == std::filesystem::canonical(config.modbus_rtu.device, absent) && !absent)
+    throw StartupError(ExitStatus::kWrongUsage, fmt::format("{} and {} are one port, which serves either [pan_tilt] or "
+                                                            "[modbus.rtu]; correct one of them",
+                                                            config.pan_tilt.device, config.modbus_rtu.device));
+}
+
 }  // namespace
 
 OpenedHead open_head(const Config& config, const CameraModel& camera) {
+  check_ports_differ(config);
   OpenedHead head;
   const GpioConfig& gpio = config.gpio;
   if (!gpio.status_led.empty())
@@ -147,7 +162,10 @@ void check_head(const Config& config,
     check_line("pan_tilt.pan.line", config.pan_tilt.pan.line);
     check_line("pan_tilt.tilt.line", config.pan_tilt.tilt.line);
   }
-  if (config.pan_tilt.driver == "visca") attempt("pan_tilt.device", [&] { check_visca_port(config.pan_tilt.device); });
+  if (config.pan_tilt.driver == "visca") {
+    attempt("pan_tilt.device", [&] { check_ports_differ(config); });
+    attempt("pan_tilt.device", [&] { check_visca_port(config.pan_tilt.device); });
+  }
   const std::array<std::pair<const char*, const std::string*>, 3> lines{{{"gpio.servo_power", &config.gpio.servo_power},
                                                                          {"gpio.status_led", &config.gpio.status_led},
                                                                          {"gpio.inhibit", &config.gpio.inhibit}}};

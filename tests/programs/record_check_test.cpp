@@ -1,4 +1,5 @@
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/prctl.h>
@@ -7,12 +8,14 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "base/startup_error.h"
 #include "drivers/modbus/server.h"
+#include "drivers/posix/file_descriptor.h"
 #include "programs/commands/commands.h"
 #include "tests/proto/wire_box.h"
 #include "tests/recording/temporary_recording.h"
@@ -164,6 +167,22 @@ TEST_F(Commands, CheckTakesAMissingDeviceForOneThatMayCome) {
         "c.toml:7: note: waits for it: /dev/nowhere-else: there is no such serial port",
         "c.toml:9: note: waits for it: ", "c.toml:11: note: waits for it: /dev/no-line: No such file"})
     EXPECT_NE(outcome.line.find(note), std::string::npos) << note << " in " << outcome.line;
+}
+
+TEST_F(Commands, CheckKnowsOnePortByTwoNames) {
+  const FileDescriptor master(::posix_openpt(O_RDWR | O_NOCTTY));
+  ASSERT_TRUE(::grantpt(master.get()) == 0 && ::unlockpt(master.get()) == 0);
+  const std::string port = ::ptsname(master.get()), link = folder_.path() + "/by-id";
+  fs::create_symlink(port, link);
+  const auto with_head_on = [&](const std::string& device) {
+    return camera() + fmt::format("[modbus.rtu]\ndevice = \"{}\"\n[pan_tilt]\ndriver = \"visca\"\ndevice = \"{}\"\n",
+                                  port, device);
+  };
+  EXPECT_EQ(refusal(with_head_on(link)),
+            fmt::format("c.toml:7: {} and {} are one port, which serves either [pan_tilt] or [modbus.rtu]; correct one "
+                        "of them",
+                        link, port));
+  EXPECT_EQ(check(with_head_on("/dev/no-such-port")).status, ExitStatus::kSuccess) << "waits for it";
 }
 
 TEST_F(Commands, CheckOfTheFileAloneLooksAtNothingElse) {

@@ -129,6 +129,16 @@ class RefusingToStart(unittest.TestCase):
     def test_a_serial_device_that_is_none(self):
         self.refused(config_text(rtu_device="/dev/null"), 2, "/dev/null", "no serial line")
 
+    def test_one_port_by_two_names(self):
+        main, line = os.openpty()
+        with tempfile.TemporaryDirectory(prefix="ninedot-test-") as folder:
+            other_name = os.path.join(folder, "by-id")
+            os.symlink(os.ttyname(line), other_name)
+            head = f'[pan_tilt]\ndriver = "visca"\ndevice = "{other_name}"\n'
+            self.refused(config_text(rtu_device=os.ttyname(line), extra=head), 2, other_name, "are one port")
+        os.close(main)
+        os.close(line)
+
     def test_a_recording_that_does_not_exist(self):
         self.refused(config_text("/does/not/exist", port=free_port()), 1, "/does/not/exist")
 
