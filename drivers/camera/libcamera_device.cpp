@@ -58,8 +58,10 @@ class BlockedSignals {
 std::unique_ptr<libcamera::CameraManager> start_manager(const std::string& device) {
   const BlockedSignals blocked;
   // Its log is chatty; who wants it sets the variable, which libcamera reads at its first use. logSetLevel would miss
-  // the categories that come to life later. A machine without dma-buf heaps is no error of a user's.
-  [[maybe_unused]] static const int quiet = ::setenv("LIBCAMERA_LOG_LEVELS", "*:ERROR,DmaBufAllocator:FATAL", 0);
+  // the categories that come to life later. A machine without dma-buf heaps is no error of a user's; of two patterns
+  // for one category some versions take the first, others the last.
+  [[maybe_unused]] static const int quiet =
+      ::setenv("LIBCAMERA_LOG_LEVELS", "DmaBufAllocator:FATAL,*:ERROR,DmaBufAllocator:FATAL", 0);
   auto manager = std::make_unique<libcamera::CameraManager>();
   if (const int error = manager->start(); error < 0)
     throw CameraRefused(fmt::format("{}: libcamera does not start: {}", device, std::strerror(-error)), -error);
