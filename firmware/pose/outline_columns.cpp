@@ -217,7 +217,7 @@ void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const 
 
 void turn_to_shape(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, std::int32_t begin,
                    std::size_t used, ColumnBatches& batches) noexcept {
-  const auto first = static_cast<std::size_t>(group.first + begin);
+  const auto first = static_cast<std::size_t>(group.first) + static_cast<std::size_t>(begin);
   for (std::size_t i = 0; i < used; ++i) {
     const float mx = pixels.ray_x[first + i], my = pixels.ray_y[first + i];
     const float depth = 1 / (view.F(2, 0) * mx + view.F(2, 1) * my + view.F(2, 2));

@@ -1,7 +1,6 @@
 #pragma once
 /// Whether what was fitted are discs of the landmark's sizes: what the outlines leave when the pose is right.
 #include <array>
-#include <span>
 
 #include "pose/estimate.h"
 #include "pose/outline_sums.h"

@@ -41,7 +41,7 @@ constexpr double kNoiseMisfit_px = 0.8;   // times residual over contrast: an ou
 // (0.5 to 1.9 px, rendered); more is another size of dots. Inwards clipped paper moves them as well, twice as far.
 constexpr double kMostOffset = 0.6, kMostInwards = 1.2, kMostOffset_px = 0.1;
 // Of a dot's radius, how far outlines may lie from discs' (outline_shape.h). Over 1500 rendered pictures true landmarks
-// had 0.04 at most (size), 0.04 (second), 0.024 (fourth) and 0.1 (P9 aside, warped sheets). A square has 0.13 (fourth),
+// had 0.04 at most (size), 0.04 (second), 0.026 (fourth) and 0.1 (P9 aside, warped sheets). A square has 0.11 (fourth),
 // an ellipse of 0.6 to 1 has 0.26 (second), dots of growing size 0.1.
 constexpr double kMostSize = 0.05, kMostSecond = 0.12, kMostFourth = 0.04, kMostAside = 0.2;
 // Motion that blurs half of a dot leaves up to 0.28 (second).
@@ -52,6 +52,7 @@ constexpr double kCentreBesideFive = 0.33, kCentreBesideFour = 0.12;
 constexpr double kWholeDot = 0.9;            // visible share: the dot counts as whole
 constexpr double kCentreOfWholeRing = 0.75;  // of P9's outline, where nothing hides a dot around it
 
+/// Discs of the landmark's sizes, and none printed elsewhere.
 bool are_discs(const PoseCandidate& candidate) noexcept {
   const OutlineShape& shape = candidate.shape;
   const double smeared = std::max(candidate.outlines.blur_px2 - kSharp_px2, 0.0) / std::pow(candidate.dot_radius_px, 2);
