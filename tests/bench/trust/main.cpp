@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <string_view>
 #include <thread>
@@ -194,7 +195,12 @@ int main(int argc, char** argv) {
     fmt::print("{}", ninedot::bench::kUsage);
     return 0;
   }
-  if (ninedot::bench::parse({argv + 1, argv + argc}, options)) return ninedot::bench::run(options);
+  try {
+    if (ninedot::bench::parse({argv + 1, argv + argc}, options)) return ninedot::bench::run(options);
+  } catch (const std::filesystem::filesystem_error& error) {
+    fmt::print(stderr, "trust: {}: {}\n", error.path1().string(), error.code().message());
+    return 1;
+  }
   fmt::print(stderr, "{}", ninedot::bench::kUsage);
   return 2;
 }
