@@ -20,5 +20,6 @@ int main(int argc, char** argv) {
   ninedot::add_registers_command(app);
   ninedot::add_status_command(app);
   ninedot::add_aim_command(app);
+  ninedot::add_map_command(app);
   return ninedot::run_program(app, argc, argv);
 }

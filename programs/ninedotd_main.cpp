@@ -16,6 +16,7 @@
 #include "outputs/wire_output.h"
 #include "programs/assembly/input_files.h"
 #include "programs/assembly/localiser_options.h"
+#include "programs/assembly/make_localiser.h"
 #include "programs/assembly/modbus_options.h"
 #include "programs/assembly/open_head.h"
 #include "programs/assembly/open_source.h"
@@ -42,7 +43,7 @@ void run_service(const std::string& config_path, bool live) {
 
   const OpenedSource camera = open_source(config.camera, FrameDemand::kNewest);
   const CameraModel model = read_camera_calibration(config.camera);
-  Localiser localiser(model, localiser_options(config));
+  const auto localiser = make_localiser(model, localiser_options(config));
   const OpenedHead head = open_head(config, model);
   Mailbox<Report> reports;
   Mailbox<Health> health;
@@ -54,7 +55,7 @@ void run_service(const std::string& config_path, bool live) {
       std::max(loop_options.stall_after, std::chrono::duration_cast<std::chrono::nanoseconds>(stall));
   loop_options.memory_locked = wants_lock && locked.has_value();
   if (head.output) loop_options.head = &head.output->snapshots();
-  FrameLoop frames(*camera.frames, localiser, reports, health, loop_options);
+  FrameLoop frames(*camera.frames, *localiser, reports, health, loop_options);
   const ModbusOptions modbus = modbus_options(config);
   const WireOutput registers(reports, health);
   ModbusServer server(registers, modbus);

@@ -166,10 +166,13 @@ void put_pose(Writer& out, const WireReport& report) noexcept {
   out.put<reg::kQwFloat, 6>(pose.quaternion_wxyz[3]);
 }
 
-void put_rival(Writer& out, const WireReport& report) noexcept {
+void put_others(Writer& out, const WireReport& report) noexcept {
   out.put_xyz<reg::kRivalX32>(report.rival_in_world.position_mm);
   out.put_xyz<reg::kRivalRotationX16>(scaled(rotation_vector_rad(report.rival_in_world.quaternion_wxyz), 1e3));
   out.put<reg::kRivalOdds>(report.rival_odds);
+  out.put<reg::kLandmarksSeen>(report.landmarks_seen);
+  out.put<reg::kLandmarksRejected>(report.landmarks_rejected);
+  out.put<reg::kLastRejectedId>(report.last_rejected_id);
 }
 
 void put_metrics(RegisterBlock& block, const MetricValues& metrics, const RegisterCodecOptions& options) noexcept {
@@ -233,7 +236,7 @@ RegisterBlock encode_registers(const WireReport& report, const MetricValues& met
   Writer out(block, options);
   put_state(out, report, server, options);
   put_pose(out, report);
-  put_rival(out, report);
+  put_others(out, report);
   put_metrics(block, metrics, options);
   out.put<reg::kProbeInt32>(-1);
   out.put<reg::kProbeWordOrder>(0x12345678);

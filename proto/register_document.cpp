@@ -115,7 +115,7 @@ gives back what was written. A request that writes several registers is carried 
 - **A newer command** takes the older one's place at once. `command_result` and `command_acknowledge` are then about
   the newer one; the older one has no result, and its number never appears in `command_acknowledge`.
 - **Hold** belongs to the client that asks (a TCP connection, or the serial line): it freezes registers 2-59 and
-  118-121 for that client alone, so that nobody can freeze what others see. Writing 1 again takes the newest frame and starts the time
+  118-124 for that client alone, so that nobody can freeze what others see. Writing 1 again takes the newest frame and starts the time
   anew. It ends when 0 is written, when the connection ends, and by itself after 500 ms (`hold_ms`). Age, `stale`
   and `valid` go on meanwhile: held data grows old like any other, and then `reason` is 9, unless the held pose was not
   valid in the first place. Set-points and commands are shared by all clients.

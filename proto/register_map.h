@@ -23,7 +23,7 @@ inline constexpr std::uint16_t kRegisterMapVersion = 1;
 inline constexpr std::uint16_t kRegisterMapMagic = 0x9D09;
 
 /// The map spans addresses 0..124, so that one request of 125 registers (the protocol's limit) reads all of it.
-/// Addresses without an entry read as 0. From 125 on: exception 02.
+/// Every address has an entry. From 125 on: exception 02.
 inline constexpr std::size_t kRegisterCount = 125;
 
 // The map without the metrics, which have their own table.
@@ -85,7 +85,7 @@ inline constexpr auto kOwnRegisters = [] {
   {101, "command_sequence",    kU16,       1,      "",     0,        kU16Max, kReadWrite, "write a number other than the last one to carry out register 100"},
   {102, "command_acknowledge", kU16,       1,      "",     0,        kU16Max, kRead, "command_sequence of the last command that has ended; one whose place a newer one took does not end"},
   {103, "command_result",      kU16,       1,      "",     0,        kU16Max, kRead, "of command_sequence: 0 none yet, 1 running, 2 done, 3 failed, see below"},
-  {104, "hold",                kU16,       1,      "",     0,        1,       kReadWrite, "1 freezes registers 2-59 and 118-121 for this client (age and staleness go on); 0 releases; releases itself"},
+  {104, "hold",                kU16,       1,      "",     0,        1,       kReadWrite, "1 freezes registers 2-59 and 118-124 for this client (age and staleness go on); 0 releases; releases itself"},
   {105, "pan_set_point",       kI16,       0.01,   "deg",  -18000,   18000,   kReadWrite, "for command 2, positive to the left"},
   {106, "tilt_set_point",      kI16,       0.01,   "deg",  -9000,    9000,    kReadWrite, "for command 2, positive upwards"},
   {107, "client_watchdog",     kU16,       1,      "ms",   0,        kU16Max, kReadWrite, "0 off; else this client must send a request within this time, or the head goes back to following"},
@@ -93,6 +93,9 @@ inline constexpr auto kOwnRegisters = [] {
   {119, "rival_rotation_y_16", kI16,       1,      "mrad", -kI16Max, kI16Max, kRead, "the same, y"},
   {120, "rival_rotation_z_16", kI16,       1,      "mrad", -kI16Max, kI16Max, kRead, "the same, z"},
   {121, "rival_odds",          kU16,       0.001,  "",     0,        1000,    kRead, "odds that it is the right one; 0 while there is none"},
+  {122, "landmarks_seen",      kU16,       1,      "",     0,        kU16Max, kRead, "landmarks of the map that the newest frame shows"},
+  {123, "landmarks_rejected",  kU16,       1,      "",     0,        kU16Max, kRead, "of these, those that do not hang where the map says: the pose is made of the others"},
+  {124, "last_rejected_id",    kU16,       1,      "",     0,        kU16Max, kRead, "the landmark that was rejected last, in whichever frame; 65535: none since the start"},
   });
 }();
 // clang-format on
@@ -177,6 +180,9 @@ NINEDOT_REGISTER(kProbeWordOrder, "probe_word_order");
 NINEDOT_REGISTER(kRivalX32, "rival_x_32");
 NINEDOT_REGISTER(kRivalRotationX16, "rival_rotation_x_16");
 NINEDOT_REGISTER(kRivalOdds, "rival_odds");
+NINEDOT_REGISTER(kLandmarksSeen, "landmarks_seen");
+NINEDOT_REGISTER(kLandmarksRejected, "landmarks_rejected");
+NINEDOT_REGISTER(kLastRejectedId, "last_rejected_id");
 NINEDOT_REGISTER(kProbeFloat, "probe_float");
 NINEDOT_REGISTER(kPulseErrorP99, "pulse_error_p99");
 NINEDOT_REGISTER(kPulseErrorMax, "pulse_error_max");

@@ -46,7 +46,9 @@ struct WireReport {
 
   double ambiguity = kUnknown;  ///< 0..1
   double rival_odds = 0;        ///< of the newest frame's second-likeliest reading, 0..1; 0: there is none
-  WirePose rival_in_landmark, rival_in_world;  ///< its camera
+  WirePose rival_in_landmark, rival_in_world;                ///< its camera
+  std::uint16_t landmarks_seen = 0, landmarks_rejected = 0;  ///< in the newest frame
+  std::uint16_t last_rejected_id = 65535;                    ///< 65535: none since the start
   double rms_px = kUnknown;
   std::uint16_t dots_used = 0, occlusion_level = 0;
   double swing_psi_deg = kUnknown, tilt_phi_deg = kUnknown, pan_theta_deg = kUnknown;

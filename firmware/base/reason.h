@@ -23,6 +23,8 @@ enum class Reason : std::uint16_t {
   kUncertain = 11,
   kPoorFit = 12,
   kCrowded = 13,
+  kNotIdentified = 14,
+  kMoved = 15,
 };
 
 struct ReasonWords {
@@ -52,6 +54,9 @@ inline constexpr auto kReasons = std::to_array<ReasonWords>({
     {Reason::kCrowded,
      "no landmark yet: the picture holds more than is searched in one frame, the next goes on with it",
      "too much to search in one frame"},
+    {Reason::kNotIdentified, "a landmark was seen, but nothing tells which one of the map it is",
+     "which landmark it is isn't known"},
+    {Reason::kMoved, "the landmark in view does not hang where the map says", "it hangs elsewhere than the map says"},
 });
 
 namespace detail {

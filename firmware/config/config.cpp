@@ -6,15 +6,18 @@
 
 #include <toml++/toml.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "base/one_line.h"
 #include "base/startup_error.h"
 #include "base/units.h"
 #include "config/config_checks.h"
 #include "config/config_reference.h"
+#include "config/landmark_checks.h"
 
 namespace ninedot {
 namespace {
@@ -66,6 +69,18 @@ class ConfigReader {
     return std::move(config_);
   }
 
+  /// Of a map: its landmarks alone.
+  std::vector<MapLandmarkConfig> read_map() {
+    for (const auto& [key, node] : root_) {
+      const int line = static_cast<int>(key.source().begin.line);
+      if (key.str() == "landmarks")
+        read_landmarks(node, line);
+      else
+        problems_.add(line, fmt::format("'{}' does not belong here: a map holds [[landmarks]] only", key.str()));
+    }
+    return std::move(config_.landmarks);
+  }
+
  private:
   static std::string join(std::string_view path, std::string_view key) {
     return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
@@ -79,7 +94,7 @@ class ConfigReader {
           path == "landmarks" ? fmt::format("landmarks.{}.{}", config_.landmarks.size() - 1, key.str()) : full, line);
       if (full == "landmarks")
         read_landmarks(node, line);
-      else if (!config_table_meaning(full).empty())
+      else if (!full.empty() && !config_table_meaning(full).empty())
         read_sub_table(node, full, line);
       else
         read_key(node, path, key.str(), line);
@@ -127,7 +142,8 @@ class ConfigReader {
     }
     std::string hint = suggestion.text();
     for (const ConfigKey& key : config_keys())
-      if (hint.empty() && key.name == name) hint = fmt::format("; it belongs to [{}]", key.table);
+      if (hint.empty() && key.name == name)
+        hint = key.table.empty() ? "; it belongs above all tables" : fmt::format("; it belongs to [{}]", key.table);
     if (node.is_table() || node.is_array_of_tables())
       problems_.add(line, fmt::format("unknown table '{}'{}", join(path, name), hint));
     else
@@ -213,12 +229,20 @@ class ConfigReader {
     for (const toml::node& item : *array) slot->push_back(item.as_string()->get());
   }
 
-  void assign(const ConfigKey& key, const toml::node& node, PositionSlot slot, int line) {
+  void assign(const ConfigKey& key, const toml::node& node, std::array<double, 3>* slot, int line) {
+    assign_numbers(key, node, *slot, "three numbers, [x, y, z]", line);
+  }
+  void assign(const ConfigKey& key, const toml::node& node, std::optional<std::array<double, 3>>* slot, int line) {
+    assign_numbers(key, node, slot->emplace(), "three numbers, [x, y, z]", line);
+  }
+  void assign(const ConfigKey& key, const toml::node& node, std::optional<std::array<double, 4>>* slot, int line) {
+    assign_numbers(key, node, slot->emplace(std::array<double, 4>{1}), "four numbers, [w, x, y, z]", line);
+  }
+  void assign_numbers(const ConfigKey& key, const toml::node& node, std::span<double> slots, std::string_view expected,
+                      int line) {
     const toml::array* array = node.as_array();
-    if (array == nullptr || array->size() != 3) return refuse_type(key, line, "three numbers, [x, y, z]");
-    assign(key, (*array)[0], slot.x_mm, line);
-    assign(key, (*array)[1], slot.y_mm, line);
-    assign(key, (*array)[2], slot.z_mm, line);
+    if (array == nullptr || array->size() != slots.size()) return refuse_type(key, line, expected);
+    for (std::size_t i = 0; i < slots.size(); ++i) assign(key, (*array)[i], &slots[i], line);
   }
 
   void assign(const ConfigKey& key, const toml::node& node, std::vector<AxisPoint>* slot, int line) {
@@ -240,25 +264,47 @@ class ConfigReader {
   Config config_;
 };
 
-}  // namespace
-
-Config read_config_text(std::string_view text, const std::string& name, ConfigProblems& problems) {
-  toml::table root;
+/// Nothing: it is no TOML, and `problems` says why.
+std::optional<toml::table> parse_toml(std::string_view text, const std::string& name, ConfigProblems& problems) {
   try {
-    root = toml::parse(text, name);
+    return toml::table(toml::parse(text, name));
   } catch (const toml::parse_error& error) {
     problems.add(static_cast<int>(error.source().begin.line), std::string(error.description()));
     problems.can_be_read = false;
-    return {};
+    return std::nullopt;
   }
-  Config config = ConfigReader(root, problems).read();
+}
+
+}  // namespace
+
+Config read_config_text(std::string_view text, const std::string& name, ConfigProblems& problems) {
+  const std::optional<toml::table> root = parse_toml(text, name, problems);
+  if (!root) return {};
+  Config config = ConfigReader(*root, problems).read();
+  if (!config.map.empty() && !config.landmarks.empty())
+    problems.add(problems.line_of("landmarks"), "[[landmarks]] and 'map' say the same: keep one of them");
   check_config(config, problems);
-  std::ranges::stable_sort(problems.list, {}, &ConfigProblem::line);
+  std::ranges::stable_sort(problems.list, {}, &ConfigProblem::place);
   return config;
 }
 
+void read_map_text(std::string_view text, const std::string& name, Config& config, ConfigProblems& problems) {
+  ConfigProblems own;
+  if (const std::optional<toml::table> root = parse_toml(text, name, own)) {
+    config.landmarks = ConfigReader(*root, own).read_map();
+    if (config.landmarks.empty() && own.list.empty()) own.add(1, "a map needs [[landmarks]]");
+    check_landmarks(config, own);
+  }
+  std::ranges::stable_sort(own.list, {}, &ConfigProblem::place);
+  for (ConfigProblem& problem : own.list) {
+    problem.file = name;
+    problems.list.push_back(std::move(problem));
+  }
+  problems.lines.try_emplace("landmarks", problems.line_of("map"));
+}
+
 std::string problem_text(const std::string& name, const ConfigProblem& problem) {
-  return one_line(fmt::format("{}:{}: {}", name, problem.line, problem.what));
+  return one_line(fmt::format("{}:{}: {}", problem.file.empty() ? name : problem.file, problem.line, problem.what));
 }
 
 Config parse_config(std::string_view text, const std::string& name, ConfigProblems& problems) {

@@ -1,7 +1,9 @@
 #pragma once
 /// The configuration file: TOML, strict. An unknown, repeated or out-of-range key is an error with its line.
 /// config_reference.cpp holds the table of all keys, from which reading, checking and docs/configuration.md follow.
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,9 +25,10 @@ struct CameraConfig {
   bool lower_rate_in_the_dark = false;   ///< `lower_rate_in_the_dark`: automatic exposure may lower the frame rate
   std::string power_line = "unchanged";  ///< `power_line`: unchanged | off | 50Hz | 60Hz | automatic
   double readout_us = 0;                 ///< `readout_us`: 0..1e6, end of the exposure to the end of the frame
-  int stall_frames = 10;                 ///< `stall_frames`: 3..1000 frame periods without a frame: the camera is lost
-  bool wait_for_device = true;           ///< `wait_for_device`: of older files; `ninedotd` waits whatever it says
-  bool loop = true;                      ///< `loop`: a recording starts again at its end
+  double row_time_us = 0;       ///< `row_time_us`: 0..1000; from one row's exposure to the next's, 0 = global shutter
+  int stall_frames = 10;        ///< `stall_frames`: 3..1000 frame periods without a frame: the camera is lost
+  bool wait_for_device = true;  ///< `wait_for_device`: of older files; `ninedotd` waits whatever it says
+  bool loop = true;             ///< `loop`: a recording starts again at its end
 };
 
 /// [landmark]: the geometry that all landmarks share
@@ -39,10 +42,14 @@ struct LandmarkConfig {
 
 /// [[landmarks]]: the map; none = one black-and-white landmark, id 0, at the world's origin
 struct MapLandmarkConfig {
-  int id = 0;                           ///< `id`: 0..65535, unique
-  std::string code;                     ///< `code`: eight of K R G B, P1..P8; empty = black and white
-  double x_mm = 0, y_mm = 0, z_mm = 0;  ///< `position_mm = [x, y, z]`
-  double heading_deg = 0.0;             ///< `heading_deg`: about the world's Z
+  int id = 0;                                        ///< `id`: 0..65535, unique
+  std::string code;                                  ///< `code`: eight of K R G B, P1..P8; empty = black and white
+  std::optional<std::array<double, 3>> position_mm;  ///< `position_mm = [x, y, z]`; none = the place is unknown
+  double heading_deg = 0.0;                          ///< `heading_deg`: about the world's Z
+  /// `orientation_wxyz = [w, x, y, z]` [1]: the quaternion world from landmark, near unit length; none = upright
+  std::optional<std::array<double, 4>> orientation_wxyz;
+  std::array<double, 3> sigma_position_mm{};   ///< `sigma_position_mm`: 1-sigma along the world's axes; 0 = exact
+  std::array<double, 3> sigma_rotation_deg{};  ///< `sigma_rotation_deg`: 1-sigma about the world's axes; 0 = exact
 };
 
 /// [pose]
@@ -60,6 +67,24 @@ struct EllipseConfig {
   double p2 = 0;             ///< `p2`: -1e6..1e6 [mm/px], of a D' of 1 mm
   double p3 = 0;             ///< `p3`: -10..10 [1]
   double cu = 0, cv = 0;     ///< `cu`, `cv`: -1..1 [1/px^2]; off-centre correction, equations (32) and (33)
+};
+
+/// [track]: the filter on the camera's pose in the world, see docs/method.md
+struct TrackConfig {
+  double acceleration_sigma_m_s2 = 0.3;           ///< `acceleration_sigma_m_s2`: 0.001..100; 1-sigma, each axis
+  double angular_acceleration_sigma_deg_s2 = 60;  ///< `angular_acceleration_sigma_deg_s2`: 0.1..100000; likewise
+  double common_share = 0.5;  ///< `common_share`: 0..0.9; of a frame's variance, what it shares with the next one
+};
+
+/// [body]: where the camera sits on the robot; all zero = it is the body's origin and looks along x
+struct BodyConfig {
+  std::array<double, 3> pan_axis_mm{};             ///< `pan_axis_mm = [x, y, z]`: a point of the pan axis, in the body
+  std::array<double, 3> mount_rpy_deg{};           ///< `mount_rpy_deg = [roll, pitch, yaw]`: of the head's foot
+  std::array<double, 3> tilt_axis_mm{};            ///< `tilt_axis_mm = [x, y, z]`: of the tilt axis from the pan axis
+  std::array<double, 3> camera_mm{};               ///< `camera_mm = [x, y, z]`: the optical centre from the tilt axis
+  std::array<double, 3> camera_rpy_deg{};          ///< `camera_rpy_deg = [roll, pitch, yaw]`: the camera on its head
+  double pan_sigma_deg = 0, tilt_sigma_deg = 0;    ///< `pan_sigma_deg`, `tilt_sigma_deg`: 0..30; of the angles told
+  double mount_sigma_mm = 0, mount_sigma_deg = 0;  ///< `mount_sigma_mm`, `mount_sigma_deg`: each axis, 1-sigma
 };
 
 /// [pan_tilt.pan], [pan_tilt.tilt]
@@ -132,11 +157,14 @@ struct ServiceConfig {
 };
 
 struct Config {
+  std::string map;  ///< `map`: file that holds the [[landmarks]] in this one's place; empty = they stand here
   CameraConfig camera;
   LandmarkConfig landmark;
   std::vector<MapLandmarkConfig> landmarks;
   PoseConfig pose;
   EllipseConfig ellipse;
+  TrackConfig track;
+  BodyConfig body;
   PanTiltConfig pan_tilt;
   GpioConfig gpio;
   ModbusConfig modbus;

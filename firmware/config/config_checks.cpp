@@ -11,14 +11,11 @@
 
 #include "base/baud_rates.h"
 #include "config/head_options.h"
+#include "config/landmark_checks.h"
 #include "geometry/landmark_faults.h"
-#include "world/landmark_codes.h"
 
 namespace ninedot {
 namespace {
-
-/// More than codes of eight dots can tell apart.
-constexpr std::size_t kMaxLandmarks = 1000;
 
 bool is_address(const std::string& text) {
   in6_addr address{};
@@ -50,36 +47,6 @@ void check_geometry(const LandmarkConfig& landmark, ConfigProblems& problems) {
   if (faults.centre_not_largest)
     problems.add(problems.line_of("landmark.centre_diameter_mm"),
                  "the centre dot must be larger than the others: that is how it is recognised");
-}
-
-void check_landmarks(const std::vector<MapLandmarkConfig>& landmarks, ConfigProblems& problems) {
-  const auto line_of = [&](std::size_t i, const char* key) {
-    return problems.line_of(fmt::format("landmarks.{}.{}", i, key));
-  };
-  const std::string black_and_white = "KKKKKKKK";
-  if (landmarks.size() > kMaxLandmarks)
-    return problems.add(line_of(kMaxLandmarks, "id"), fmt::format("more than {} landmarks", kMaxLandmarks));
-  std::vector<std::string> codes;
-  for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    std::string code = landmarks[i].code.empty() ? black_and_white : landmarks[i].code;
-    if (!is_landmark_code(code)) {
-      problems.add(line_of(i, "code"),
-                   fmt::format("'code' is '{}'; write eight of K R G B for P1..P8", landmarks[i].code));
-      code.clear();
-    } else if (find_own_turn(code)) {
-      problems.add(line_of(i, "code"),
-                   fmt::format("'code' {} looks the same when the sheet is turned; choose another", code));
-    }
-    for (std::size_t j = 0; j < i; ++j) {
-      if (landmarks[j].id == landmarks[i].id)
-        problems.add(line_of(i, "id"), fmt::format("two landmarks have the id {}", landmarks[i].id));
-      if (!code.empty() && is_turn_of(code, codes[j]))
-        problems.add(line_of(i, "code"),
-                     fmt::format("landmarks {} and {} can't be told apart: their codes are turns of each other",
-                                 landmarks[j].id, landmarks[i].id));
-    }
-    codes.push_back(code);
-  }
 }
 
 void check_modbus(const Config& config, ConfigProblems& problems) {
@@ -162,12 +129,14 @@ bool ConfigProblems::is_in(std::string_view table) const {
       if (at <= line && at >= best) best = at, nearest = key;
     return nearest.substr(0, nearest.find('.'));
   };
-  return std::ranges::any_of(list, [&](const ConfigProblem& problem) { return table_at(problem.line) == table; });
+  return std::ranges::any_of(list, [&](const ConfigProblem& problem) {
+    return (problem.file.empty() ? table_at(problem.line) : "landmarks") == table;
+  });
 }
 
 void check_config(const Config& config, ConfigProblems& problems) {
   check_geometry(config.landmark, problems);
-  check_landmarks(config.landmarks, problems);
+  check_landmarks(config, problems);
   check_head(config.pan_tilt, problems);
   check_modbus(config, problems);
   check_sharing(config, problems);

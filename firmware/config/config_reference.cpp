@@ -11,6 +11,7 @@ namespace {
 constexpr double kMinLength_mm = 0.1;
 constexpr double kMaxLength_mm = 10000;  // 10 m: more is metres taken for millimetres, or a typing error
 constexpr double kMaxPosition_mm = 1e7;  // 10 km, a large site; the 32-bit registers end at 2.1 km
+constexpr double kMaxSigma_mm = 1e4;     // whoever knows a place no better does not know it
 
 // A macro keeps the table one line per key: a captureless lambda cannot be written shorter.
 #define SLOT(member) [](Config& config) -> ConfigSlot { return &config.member; }
@@ -49,7 +50,15 @@ constexpr auto head_axis_keys(std::string_view table) {
 constexpr std::string_view kPixelFormats =
     "auto|GREY|NV12|NV21|YU12|YUYV|UYVY|Y10|Y12|Y16|Y10P|Y12P|RGGB|BGGR|GRBG|GBRG|MJPG";
 
+#define LANDMARK_SLOT(member) [](Config& config) -> ConfigSlot { return &config.landmarks.back().member; }
+
 const std::array kKeysUpToTheHead{
+    ConfigKey{
+        "", "map", "", 0, 0, "",
+        "file that holds the `[[landmarks]]`, and nothing else, in this one's place, as `ninedot map` writes it; a "
+        "relative path starts at the folder of the configuration file; empty = they stand here",
+        SLOT(map)},
+
     ConfigKey{
         "camera", "source", "", 0, 0, "libcamera|v4l2|recording|simulated",
         "where frames come from; `simulated` is kept for later: this version has no simulated camera and refuses it",
@@ -77,6 +86,9 @@ const std::array kKeysUpToTheHead{
               "from the end of the exposure to the end of the frame, for cameras that stamp the end: global shutter "
               "the whole read-out, rolling shutter half of it",
               SLOT(camera.readout_us)},
+    ConfigKey{"camera", "row_time_us", "us", 0, 1000, "",
+              "rolling shutter: from one row's exposure to the next row's; 0 = global shutter, all rows at once",
+              SLOT(camera.row_time_us)},
     ConfigKey{"camera", "stall_frames", "", 3, 1000, "",
               "so many frame periods without a frame: the camera is lost, and is opened again",
               SLOT(camera.stall_frames)},
@@ -105,21 +117,28 @@ const std::array kKeysUpToTheHead{
         "alike after 45 deg, and a roll of more than four of these leaves open which dot is P1",
         SLOT(landmark.roll_sigma_deg)},
 
-    ConfigKey{"landmarks", "id", "", 0, 65535, "", "number in reports, unique; must be given",
-              [](Config& config) -> ConfigSlot { return &config.landmarks.back().id; }},
+    ConfigKey{"landmarks", "id", "", 0, 65535, "", "number in reports, unique; must be given", LANDMARK_SLOT(id)},
     ConfigKey{
         "landmarks", "code", "", 0, 0, "",
         "colours of P1..P8, eight of K (black) R G B, different from every turn of itself and of the others; empty = "
         "black and white",
-        [](Config& config) -> ConfigSlot { return &config.landmarks.back().code; }},
-    ConfigKey{"landmarks", "position_mm", "mm", -kMaxPosition_mm, kMaxPosition_mm, "",
-              "[x, y, z] of the middle of P9 in the world, Z up",
-              [](Config& config) -> ConfigSlot {
-                MapLandmarkConfig& landmark = config.landmarks.back();
-                return PositionSlot{&landmark.x_mm, &landmark.y_mm, &landmark.z_mm};
-              }},
+        LANDMARK_SLOT(code)},
+    ConfigKey{
+        "landmarks", "position_mm", "mm", -kMaxPosition_mm, kMaxPosition_mm, "",
+        "[x, y, z] of the middle of P9 in the world, Z up; none = its place is unknown (`ninedot map` finds it), a "
+        "lone landmark's is the world's origin",
+        LANDMARK_SLOT(position_mm)},
     ConfigKey{"landmarks", "heading_deg", "deg", -360, 360, "", "turn of the upright sheet about the world's Z",
-              [](Config& config) -> ConfigSlot { return &config.landmarks.back().heading_deg; }},
+              LANDMARK_SLOT(heading_deg)},
+    ConfigKey{
+        "landmarks", "orientation_wxyz", "", -1, 1, "",
+        "in place of `heading_deg`, for sheets that are not upright: [w, x, y, z], the unit quaternion that turns "
+        "the sheet's axes into the world's",
+        LANDMARK_SLOT(orientation_wxyz)},
+    ConfigKey{"landmarks", "sigma_position_mm", "mm", 0, kMaxSigma_mm, "",
+              "1-sigma of the position along the world's X, Y, Z; 0 = exact", LANDMARK_SLOT(sigma_position_mm)},
+    ConfigKey{"landmarks", "sigma_rotation_deg", "deg", 0, 180, "",
+              "1-sigma of the orientation about the world's X, Y, Z; 0 = exact", LANDMARK_SLOT(sigma_rotation_deg)},
 
     ConfigKey{"pose", "solver", "", 0, 0, "full|ellipse",
               "`full`: near the maximum likelihood; `ellipse`: the founding paper's", SLOT(pose.solver)},
@@ -141,6 +160,40 @@ const std::array kKeysUpToTheHead{
     ConfigKey{"pose.ellipse", "p3", "", -10, 10, "", "of the same", SLOT(ellipse.p3)},
     ConfigKey{"pose.ellipse", "cu", "", -1, 1, "", "off-centre correction along u (32)", SLOT(ellipse.cu)},
     ConfigKey{"pose.ellipse", "cv", "", -1, 1, "", "off-centre correction along v (33)", SLOT(ellipse.cv)},
+
+    ConfigKey{"track", "acceleration_sigma_m_s2", "m/s^2", 0.001, 100, "",
+              "1-sigma of the robot's accelerations, each axis, that last for a quarter of a second; smaller is "
+              "smoother, and lags when the robot does more",
+              SLOT(track.acceleration_sigma_m_s2)},
+    ConfigKey{"track", "angular_acceleration_sigma_deg_s2", "deg/s^2", 0.1, 1e5, "",
+              "likewise of the camera's turns, its head's included", SLOT(track.angular_acceleration_sigma_deg_s2)},
+    ConfigKey{"track", "common_share", "", 0, 0.9, "",
+              "of a frame's variance the share that consecutive frames have in common, and that averaging leaves",
+              SLOT(track.common_share)},
+
+    ConfigKey{"body", "pan_axis_mm", "mm", -kMaxLength_mm, kMaxLength_mm, "",
+              "[x, y, z] of a point of the head's pan axis; of the camera where there is no head",
+              SLOT(body.pan_axis_mm)},
+    ConfigKey{"body", "mount_rpy_deg", "deg", -180, 180, "",
+              "[roll, pitch, yaw] of the head's foot, or of the camera: turns about x, then y, then z of the body; a "
+              "positive pitch looks down",
+              SLOT(body.mount_rpy_deg)},
+    ConfigKey{"body", "tilt_axis_mm", "mm", -kMaxLength_mm, kMaxLength_mm, "",
+              "[x, y, z] of a point of the tilt axis from that of the pan axis, as the head stands at pan 0",
+              SLOT(body.tilt_axis_mm)},
+    ConfigKey{"body", "camera_mm", "mm", -kMaxLength_mm, kMaxLength_mm, "",
+              "[x, y, z] of the optical centre from that point of the tilt axis, at pan 0 and tilt 0",
+              SLOT(body.camera_mm)},
+    ConfigKey{"body", "camera_rpy_deg", "deg", -180, 180, "",
+              "[roll, pitch, yaw] of the camera on the head, from straight ahead and level at pan 0 and tilt 0",
+              SLOT(body.camera_rpy_deg)},
+    ConfigKey{"body", "pan_sigma_deg", "deg", 0, 30, "",
+              "1-sigma of the pan angle that the head tells: encoder, dead band, play", SLOT(body.pan_sigma_deg)},
+    ConfigKey{"body", "tilt_sigma_deg", "deg", 0, 30, "", "likewise of the tilt angle", SLOT(body.tilt_sigma_deg)},
+    ConfigKey{"body", "mount_sigma_mm", "mm", 0, kMaxLength_mm, "",
+              "1-sigma of the camera's place on the body, each axis", SLOT(body.mount_sigma_mm)},
+    ConfigKey{"body", "mount_sigma_deg", "deg", 0, 30, "", "1-sigma of its orientation, each axis",
+              SLOT(body.mount_sigma_deg)},
 
     ConfigKey{"pan_tilt", "driver", "", 0, 0, "none|sysfs-pwm|gpio|visca|simulated",
               "how the head is moved: PWM of the kernel, pulses on GPIO lines, a camera that speaks VISCA, not at all",
@@ -207,12 +260,14 @@ const std::array kKeysAfterTheHead{
     ConfigKey{"service", "lock_memory", "", 0, 0, "", "keep the service in memory (mlockall)",
               SLOT(service.lock_memory)},
 };
+#undef LANDMARK_SLOT
 #undef SLOT
 
 struct TableMeaning {
   std::string_view table, meaning;
 };
 constexpr std::array kTables{
+    TableMeaning{"", "Above all tables."},
     TableMeaning{"camera", "The camera, or what stands in for it."},
     TableMeaning{"landmark", "The geometry that all landmarks share."},
     TableMeaning{"landmarks",
@@ -220,6 +275,11 @@ constexpr std::array kTables{
                  "the world's origin. Upright on a wall is heading 0."},
     TableMeaning{"pose", "How the pose is computed."},
     TableMeaning{"pose.ellipse", "What the founding paper calibrates off line, for `solver = \"ellipse\"`."},
+    TableMeaning{"track", "How the camera's pose in the world is followed over time."},
+    TableMeaning{
+        "body",
+        "Where the camera sits on the robot: x forward, y left, z up. None = the camera's optical centre is the "
+        "body's origin, and it looks along x."},
     TableMeaning{"pan_tilt", "The pan/tilt head: see docs/pan-tilt.md."},
     TableMeaning{"pan_tilt.pan", "Its lower axis. Angles are positive to the left."},
     TableMeaning{"pan_tilt.tilt", "Its upper axis. Angles are positive upwards."},
@@ -243,7 +303,9 @@ std::string default_text(const ConfigKey& key) {
     std::string operator()(const char* value) const { return fmt::format("\"{}\"", *value); }
     std::string operator()(const std::string* value) const { return fmt::format("\"{}\"", *value); }
     std::string operator()(const std::vector<std::string>*) const { return "[]"; }
-    std::string operator()(const PositionSlot&) const { return "[0, 0, 0]"; }
+    std::string operator()(const std::array<double, 3>*) const { return "[0, 0, 0]"; }
+    std::string operator()(const std::optional<std::array<double, 3>>*) const { return "none"; }
+    std::string operator()(const std::optional<std::array<double, 4>>*) const { return "none"; }
     std::string operator()(const std::vector<AxisPoint>*) const { return "[]"; }
   };
   return std::visit(Printer{}, key.slot(config));
@@ -268,10 +330,17 @@ std::string range_text(const ConfigKey& key) {
     std::string operator()(const char*) const { return "letter"; }
     std::string operator()(const std::string*) const { return "text"; }
     std::string operator()(const std::vector<std::string>*) const { return "list of texts"; }
-    std::string operator()(const PositionSlot&) const { return "three, each " + numbers(); }
+    std::string operator()(const std::array<double, 3>*) const { return "three, each " + numbers(); }
+    std::string operator()(const std::optional<std::array<double, 3>>*) const { return "three, each " + numbers(); }
+    std::string operator()(const std::optional<std::array<double, 4>>*) const { return "four, each " + numbers(); }
     std::string operator()(const std::vector<AxisPoint>*) const { return "list of pairs"; }
   };
   return std::visit(Printer{key}, key.slot(config));
+}
+
+std::string heading_of(std::string_view table) {
+  if (table.empty()) return "At the top";
+  return table == "landmarks" ? "[[landmarks]]" : fmt::format("[{}]", table);
 }
 
 constexpr std::string_view kIntroduction = R"(# Configuration
@@ -304,13 +373,12 @@ std::string_view config_table_meaning(std::string_view table) {
 
 std::string format_config_reference() {
   std::string text(kIntroduction);
-  std::string_view table;
+  std::optional<std::string_view> table;
   for (const ConfigKey& key : config_keys()) {
     if (key.table != table) {
       table = key.table;
-      const bool is_array = table == "landmarks";
-      text += fmt::format("\n## {}{}{}\n\n{}\n\n| key | unit | range | default | meaning |\n|---|---|---|---|---|\n",
-                          is_array ? "[[" : "[", table, is_array ? "]]" : "]", config_table_meaning(table));
+      text += fmt::format("\n## {}\n\n{}\n\n| key | unit | range | default | meaning |\n|---|---|---|---|---|\n",
+                          heading_of(key.table), config_table_meaning(key.table));
     }
     text += fmt::format("| `{}` | {} | {} | `{}` | {} |\n", key.name, key.unit, range_text(key), default_text(key),
                         key.meaning);

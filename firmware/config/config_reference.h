@@ -1,6 +1,8 @@
 #pragma once
 /// Every key of the configuration in one table: the reader, the checks and docs/configuration.md follow from it.
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,19 +13,14 @@
 
 namespace ninedot {
 
-/// position_mm = [x, y, z]
-struct PositionSlot {
-  double* x_mm;
-  double* y_mm;
-  double* z_mm;
-};
-
 /// Where a key's value goes; the alternative is the key's type.
-using ConfigSlot = std::variant<bool*, int*, std::uint16_t*, std::uint32_t*, double*, char*, std::string*,
-                                std::vector<std::string>*, PositionSlot, std::vector<AxisPoint>*>;
+using ConfigSlot =
+    std::variant<bool*, int*, std::uint16_t*, std::uint32_t*, double*, char*, std::string*, std::vector<std::string>*,
+                 std::array<double, 3>*, std::optional<std::array<double, 3>>*, std::optional<std::array<double, 4>>*,
+                 std::vector<AxisPoint>*>;
 
 struct ConfigKey {
-  std::string_view table;  ///< "camera"; "landmarks" is the array of tables [[landmarks]]
+  std::string_view table;  ///< "camera"; "landmarks" is the array of tables [[landmarks]]; empty: above all tables
   std::string_view name;
   std::string_view unit;     ///< empty: none
   double min = 0, max = 0;   ///< [unit] of numbers, both allowed

@@ -21,7 +21,7 @@ Moments outline_moments(const Region& region) noexcept;
 
 /// Weighted by darkness, over the region's box and two pixels around it; the paper's level is the mean of the box's
 /// rim. No variance is below kPixelVariance_px2 in any direction.
-/// \param picture  at least 3 x 3 pixels, the region's box inside it (contract)
+/// \param picture  at least 3 x 3 pixels, the region's box inside it and no longer than 60 px (contract)
 /// \param noise_lsb  of `picture` [grey levels, 1-sigma]
 /// \return  false: nothing there is darker than the rim
 /// Memory: none. Threads: pure.

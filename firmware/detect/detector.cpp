@@ -34,6 +34,11 @@ constexpr double kOutlineSlack_px = 1.2;
 /// (verify.cpp), and that must not reach the other side.
 constexpr double kSmallest_px = 2.5;
 
+/// As many guesses as sixteen landmarks make: three of each at most were confirmed.
+constexpr std::size_t kMaxAccepted = 48;
+/// Of the ring's radius: two landmarks' middles are no nearer to each other, for sheets do not overlap.
+constexpr double kApart_radii = 1.2;
+
 }  // namespace
 
 struct Detector::Workspace {
@@ -68,14 +73,17 @@ struct Detector::Workspace {
   Result<LandmarkObservation> search_near(const ImageView& luma, const LandmarkForecast& expected,
                                           WorkBudget& budget) noexcept;
   void guess_everything(const ImageView& luma, WorkBudget& budget) noexcept;
+  void find_all(const ImageView& luma, WorkBudget& budget) noexcept;
+  void keep_distinct(const Accepted& from) noexcept;
 
   static void look(const ImageView& luma, const SearchArea& area, Sight& sight, WorkBudget& budget) noexcept;
   void look_finer(const ImageView& luma, WorkBudget& budget) noexcept;
+  enum class Numbering : bool { kLeftOut, kByPriors };
   Result<LandmarkObservation> match(const ImageView& luma, Sight& sight, int& allowance, GuessBegin& begin,
-                                    WorkBudget& budget) noexcept;
+                                    Numbering numbering, WorkBudget& budget) noexcept;
   Verification verify(const ImageView& luma, const Sight& sight, const Hypothesis& hypothesis) const noexcept;
   bool verify_all(const ImageView& luma, const Sight& sight) noexcept;
-  Result<LandmarkObservation> observe(const Sight& sight, const Accepted& from) const noexcept;
+  Result<LandmarkObservation> observe(const Sight& sight, const Accepted& from, Numbering numbering) const noexcept;
   bool is_cut(const Hypothesis& hypothesis, std::size_t dot, const Blob& blob) const noexcept;
 
   CameraModel camera;
@@ -84,22 +92,23 @@ struct Detector::Workspace {
   Sight whole, window;
   SortedBlobs sorted;
   HypothesisList hypotheses;
-  InlineVector<Accepted, kMaxGuesses> accepted;  ///< the best first
+  InlineVector<Accepted, kMaxAccepted> accepted;  ///< the best first
   ObservationList found;
   GuessCuts cuts;
-  GuessBegin coarse_begin, fine_begin, second_begin;  ///< of searches of the whole picture
+  GuessBegin coarse_begin, fine_begin, second_begin, all_begin;  ///< of searches of the whole picture
 };
 
 /// Coarse to fine. Three quarters of all pixels are the picture's own, and a landmark nearer than about 4 m shows at
 /// half the size as well: it is found there and measured where it is.
 Result<LandmarkObservation> Detector::Workspace::search_whole(const ImageView& luma, WorkBudget& budget) noexcept {
   look(luma, {0, 0, camera.width_px, camera.height_px, {1, BlobFinder::kLevels - 1}}, whole, budget);
-  const Result<LandmarkObservation> coarse =
-      with_half(budget.guesses, [&](int& half) { return match(luma, whole, half, coarse_begin, budget); });
+  const Result<LandmarkObservation> coarse = with_half(budget.guesses, [&](int& half) {
+    return match(luma, whole, half, coarse_begin, Numbering::kLeftOut, budget);  // it is looked at again
+  });
   if (coarse)
     if (auto fine = search_near(luma, LandmarkForecast(*coarse, false), budget)) return fine;
   look_finer(luma, budget);
-  return match(luma, whole, budget.guesses, fine_begin, budget);
+  return match(luma, whole, budget.guesses, fine_begin, Numbering::kByPriors, budget);
 }
 
 Result<LandmarkObservation> Detector::Workspace::search_near(const ImageView& luma, const LandmarkForecast& expected,
@@ -108,8 +117,8 @@ Result<LandmarkObservation> Detector::Workspace::search_near(const ImageView& lu
   if (!area) return fail(Errc::kNoLandmark, "the landmark has left the picture");
   look(luma, *area, window, budget);
   GuessBegin begin;
-  Result<LandmarkObservation> seen =
-      with_half(budget.guesses, [&](int& half) { return match(luma, window, half, begin, budget); });
+  Result<LandmarkObservation> seen = with_half(
+      budget.guesses, [&](int& half) { return match(luma, window, half, begin, Numbering::kByPriors, budget); });
   if (!seen || !expected.is_numbered) return seen;
   if (const auto first = first_dot_by_forecast(seen->H_ray_plane, expected.H_ray_plane, landmark))
     return renumbered(*seen, *first);
@@ -135,7 +144,8 @@ void Detector::Workspace::look_finer(const ImageView& luma, WorkBudget& budget) 
 
 /// The landmark among the blobs at hand. \param allowance  guesses that it may try; fewer afterwards
 Result<LandmarkObservation> Detector::Workspace::match(const ImageView& luma, Sight& sight, int& allowance,
-                                                       GuessBegin& begin, WorkBudget& budget) noexcept {
+                                                       GuessBegin& begin, Numbering numbering,
+                                                       WorkBudget& budget) noexcept {
   sorted.assign(sight.blobs);
   hypotheses.clear();
   bool got_through = with_half(
@@ -147,7 +157,7 @@ Result<LandmarkObservation> Detector::Workspace::match(const ImageView& luma, Si
   }
   budget.is_overdrawn |= !got_through;
   if (accepted.empty()) return fail(Errc::kNoLandmark, "no landmark in the picture");
-  return observe(sight, accepted[0]);
+  return observe(sight, accepted[0], numbering);
 }
 
 /// All that may be a landmark, whatever is already known of some of it.
@@ -162,6 +172,32 @@ void Detector::Workspace::guess_everything(const ImageView& luma, WorkBudget& bu
   const bool rings = guess_from_ring(sorted, landmark, allowance, second_begin.middle, hypotheses, cuts);
   budget.is_overdrawn |= !(centres && rings);
   verify_all(luma, whole);
+}
+
+/// Every landmark with a P9, at all levels in one go.
+void Detector::Workspace::find_all(const ImageView& luma, WorkBudget& budget) noexcept {
+  look(luma, {0, 0, camera.width_px, camera.height_px, {1, BlobFinder::kLevels - 1}}, whole, budget);
+  look_finer(luma, budget);
+  sorted.assign(whole.blobs);
+  hypotheses.clear();
+  budget.is_overdrawn |= !guess_from_centre(sorted, landmark, budget.guesses, all_begin.centre, hypotheses, cuts);
+  verify_all(luma, whole);
+  found.clear();
+  for (const Accepted& from : accepted) keep_distinct(from);
+}
+
+/// Adds a landmark to those found unless it is one of them.
+void Detector::Workspace::keep_distinct(const Accepted& from) noexcept {
+  const auto seen = observe(whole, from, Numbering::kByPriors);
+  if (!seen) return;
+  const auto middle = [](const LandmarkObservation& o) { return map_point(o.H_ray_plane, Eigen::Vector2d::Zero()); };
+  const auto reach = [&](const LandmarkObservation& o) {
+    return landmark.ring_radius_m * jacobian_of_map(o.H_ray_plane, Eigen::Vector2d::Zero()).norm() /
+           std::numbers::sqrt2;
+  };
+  for (const LandmarkObservation& other : found)
+    if ((middle(*seen) - middle(other)).norm() < kApart_radii * std::max(reach(*seen), reach(other))) return;
+  (void)found.try_push_back(*seen);  // more than fit in there are refused where they are counted, in the map
 }
 
 /// Small dots are looked at in the picture itself, larger ones at a level of the pyramid where noise is averaged away.
@@ -208,7 +244,8 @@ bool Detector::Workspace::is_cut(const Hypothesis& hypothesis, std::size_t dot, 
   return static_cast<double>(blob.area_px2) < whole_px2 * (kCutShare - kOutlineSlack_px / std::sqrt(whole_px2));
 }
 
-Result<LandmarkObservation> Detector::Workspace::observe(const Sight& sight, const Accepted& from) const noexcept {
+Result<LandmarkObservation> Detector::Workspace::observe(const Sight& sight, const Accepted& from,
+                                                         Numbering numbering) const noexcept {
   const Hypothesis& hypothesis = *from.hypothesis;
   LandmarkObservation seen;
   InlineVector<PlanePoint, kDotCount> points;
@@ -232,6 +269,7 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Sight& sight, con
   }
   if (!fit_plane_map(points.span(), seen.H_ray_plane))
     return fail(Errc::kPoseDegenerate, "the visible dots lie on a line");
+  if (numbering == Numbering::kLeftOut) return seen;
   seen.numbering_chi2 = numbering_costs(points.span(), seen.H_ray_plane, landmark, options.upright);
   const auto likeliest = std::min_element(seen.numbering_chi2.begin(), seen.numbering_chi2.end());
   return renumbered(seen, static_cast<int>(likeliest - seen.numbering_chi2.begin()));
@@ -258,9 +296,18 @@ Result<std::span<const LandmarkObservation>> Detector::find_more_landmarks(const
   if (!w.fits(luma)) return fail(Errc::kFrameSize, "the frame's size is not the calibration's");
   w.guess_everything(luma, budget);
   w.found.clear();
-  for (const Workspace::Accepted& accepted : w.accepted)
-    if (const auto seen = w.observe(w.whole, accepted))
+  for (const Workspace::Accepted& accepted : w.accepted.span().first(std::min(w.accepted.size(), kMaxGuesses)))
+    if (const auto seen = w.observe(w.whole, accepted, Workspace::Numbering::kByPriors))
       (void)w.found.try_push_back(*seen);  // kMaxGuesses is less than it holds
+  if (w.found.empty()) return fail(Errc::kNoLandmark, "no landmark in the picture");
+  return w.found.span();
+}
+
+Result<std::span<const LandmarkObservation>> Detector::find_all_landmarks(const ImageView& luma,
+                                                                          WorkBudget& budget) noexcept {
+  Workspace& w = *workspace_;
+  if (!w.fits(luma)) return fail(Errc::kFrameSize, "the frame's size is not the calibration's");
+  w.find_all(luma, budget);
   if (w.found.empty()) return fail(Errc::kNoLandmark, "no landmark in the picture");
   return w.found.span();
 }

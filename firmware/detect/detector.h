@@ -31,8 +31,7 @@ class Detector {
   /// Searches the whole picture. Dots are numbered by the priors (numbering.h).
   /// \param luma  of the camera's size, else kFrameSize
   /// \param budget  what is left for this picture
-  /// \return  what was found, the surest first: at least one, at present at most one, never more than
-  /// kMaxLandmarksInView. Valid until the next call of a find function.
+  /// \return  the surest, alone. Valid until the next call of a find function.
   /// \error kNoLandmark: nothing in the picture is one; kPoseDegenerate: its visible dots lie on a line or where the
   /// lens's model has no inverse; kFrameSize
   Result<std::span<const LandmarkObservation>> find_landmarks(const ImageView& luma, WorkBudget& budget) noexcept;
@@ -44,6 +43,11 @@ class Detector {
   /// \error  as above
   Result<std::span<const LandmarkObservation>> find_more_landmarks(const ImageView& luma, WorkBudget& budget) noexcept;
   static constexpr std::size_t kMaxGuesses = 6;
+
+  /// Searches the whole picture for all landmarks whose P9 is in sight, at every size.
+  /// \return  those that the grey levels confirm, each once, the surest first. Valid until the next call of a find
+  /// function. \error as find_landmarks
+  Result<std::span<const LandmarkObservation>> find_all_landmarks(const ImageView& luma, WorkBudget& budget) noexcept;
 
   /// Looks only where the landmark is expected; cheaper by far.
   /// \param expected  its pose (a CameraFromLandmark will do), or as it was seen in the frame before, or moved to where

@@ -5,18 +5,10 @@
 #include <opencv2/core/hal/intrin.hpp>
 
 #include "base/contract.h"
+#include "image/vector_less.h"
 
 namespace ninedot {
 namespace {
-
-/// Lanes of ones where a < b. OpenCV's operators are gone from its NEON vectors since 4.9, and 4.6 has no v_lt.
-template <typename Vector>
-Vector less(const Vector& a, const Vector& b) noexcept {
-  if constexpr (requires { a < b; })
-    return a < b;
-  else
-    return v_lt(a, b);
-}
 
 /// Bit i: pixel i of 32 is below its threshold, which two pixels share.
 std::uint32_t dark_bits(const std::uint8_t* pixels, const std::uint8_t* limits) noexcept {
@@ -29,10 +21,13 @@ std::uint32_t dark_bits(const std::uint8_t* pixels, const std::uint8_t* limits) 
   return below(pixels, low) | below(pixels + 16, high) << 16;
 }
 
-/// The same for the last columns, pixel by pixel.
-std::uint32_t dark_bits(const std::uint8_t* pixels, const std::uint8_t* limits, int count) noexcept {
+/// The same of the last columns of a row, fewer than 32.
+/// \param width  of the row, even
+std::uint32_t last_dark_bits(const std::uint8_t* pixels, const std::uint8_t* limits, int width, int count) noexcept {
+  if (width >= 32) return dark_bits(pixels + width - 32, limits + (width - 32) / 2) >> (31 - count) >> 1;
   std::uint32_t bits = 0;
-  for (int i = 0; i < count; ++i) bits |= static_cast<std::uint32_t>(pixels[i] < limits[i / 2]) << i;
+  for (int x = width - count; x < width; ++x)
+    bits |= static_cast<std::uint32_t>(pixels[x] < limits[x / 2]) << (x - width + count);
   return bits;
 }
 
@@ -60,38 +55,47 @@ std::span<const Region> RegionFinder::find(const ImageView& picture, const Image
 }
 
 void RegionFinder::find_runs(const ImageView& picture, const ImageBuffer& threshold, int first_row) noexcept {
-  run_count_ = 0;
   cut_from_row_ = picture.height_px;
+  Run* const runs = runs_.data();
+  const auto room = static_cast<std::int32_t>(runs_.size());
+  std::int32_t count = 0;
   const int width = 2 * (picture.width_px / 2);  // an odd last column has no threshold
   for (int y = 0; y < picture.height_px; ++y) {
-    row_start_[static_cast<std::size_t>(y)] = static_cast<std::int32_t>(run_count_);
+    row_start_[static_cast<std::size_t>(y)] = count;
     if (y < first_row) continue;
     const std::uint8_t* pixels = picture.row(y);
     const std::uint8_t* limits = threshold.row(std::min(y / 2, threshold.height_px() - 1));
+    const auto end_run = [&](int begin, int end) {
+      if (count == room) {
+        ++runs_cut_;
+        cut_from_row_ = std::min(cut_from_row_, y);
+        return;
+      }
+      runs[count] = {static_cast<std::int16_t>(begin), static_cast<std::int16_t>(end), count};
+      ++count;
+    };
     std::uint32_t inside = 0;  // 1 while the pixel before was dark
-    std::int16_t begin = 0;
+    int begin = 0;
     for (int x = 0; x <= width; x += 32) {
       const int left = width - x;
       const std::uint32_t bits =
-          left >= 32 ? dark_bits(pixels + x, limits + x / 2) : dark_bits(pixels + x, limits + x / 2, left);
+          left >= 32 ? dark_bits(pixels + x, limits + x / 2) : last_dark_bits(pixels, limits, width, left);
       std::uint32_t edges = bits ^ ((bits << 1) | inside);  // set where it changes
-      while (edges != 0) {
-        const auto at = static_cast<std::int16_t>(x + std::countr_zero(edges));
+      const auto next_edge = [&] {
+        const int at = x + std::countr_zero(edges);
         edges &= edges - 1;
-        if (inside == 0) {
-          begin = at;
-        } else if (run_count_ < runs_.size()) {
-          runs_[run_count_] = {begin, at, static_cast<std::int32_t>(run_count_)};
-          ++run_count_;
-        } else {
-          ++runs_cut_;
-          cut_from_row_ = std::min(cut_from_row_, y);
-        }
-        inside ^= 1;
+        return at;
+      };
+      if (edges != 0 && inside != 0) end_run(begin, next_edge());
+      while (edges != 0) {
+        begin = next_edge();
+        if (edges == 0) break;
+        end_run(begin, next_edge());
       }
+      inside = bits >> 31;
     }
   }
-  row_start_[static_cast<std::size_t>(picture.height_px)] = static_cast<std::int32_t>(run_count_);
+  row_start_[static_cast<std::size_t>(picture.height_px)] = count;
 }
 
 std::int32_t RegionFinder::root(std::int32_t i) noexcept {

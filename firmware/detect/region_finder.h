@@ -58,7 +58,6 @@ class RegionFinder {
   std::int32_t root(std::int32_t i) noexcept;
 
   std::vector<Run> runs_;
-  std::size_t run_count_ = 0;
   std::uint32_t runs_cut_ = 0;
   int cut_from_row_ = 0;
   std::vector<std::int32_t> region_of_run_;

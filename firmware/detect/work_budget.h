@@ -9,7 +9,7 @@ namespace ninedot {
 /// and a third of the pixels.
 /// tests/bench/trust/slowest.sh counts what the worst pictures cost with these, in instructions (docs/trust.md).
 struct WorkBudget {
-  int regions = 3500;       ///< dark regions measured (blob_moments.h), about 3,000 instructions each
+  int regions = 3500;       ///< dark regions measured (blob_moments.h), about 1,400 instructions each
   int guesses = 100;        ///< guesses tried on the blobs and looked up in the picture (hypothesis.h), about 100,000
   int second_guesses = 40;  ///< the same, kept back for find_more_landmarks
   /// Pixels fitted to outlines (outline_refiner.h), one per pixel and stage, about 430. A usual landmark takes 8,000;

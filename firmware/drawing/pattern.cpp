@@ -6,23 +6,19 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <charconv>
 #include <cmath>
-#include <optional>
 
 #include "base/startup_error.h"
+#include "drawing/paper.h"
 #include "geometry/landmark_faults.h"
 #include "world/landmark_codes.h"
 
 namespace ninedot {
 namespace {
 
-constexpr double kPrinterMargin_mm = 5;  // few office printers reach closer to the edge
 // Above: the arrow, and 2 to the sheet. Below: 12 to the bar, five lines of 5, and the printer's margin.
 constexpr double kTopBand_mm = 18, kBottomBand_mm = 44;
-constexpr double kScaleBar_mm = 100, kNarrowestPaper_mm = 130;  // the bar, and 15 on both sides
-constexpr double kLargestPaper_mm = 5000;                       // a PDF page ends at 14400 points = 5080 mm
+constexpr double kScaleBar_mm = 100;
 constexpr double kLargestLength_mm = 10000;                     // as [landmark] of the configuration
 constexpr PageColour kBlack{0, 0, 0}, kCutGrey{0.6, 0.6, 0.6};  // seen by who cuts, too light for a dot
 
@@ -50,10 +46,12 @@ void check_code(const std::string& code) {
   if (code.empty()) return;
   if (!is_landmark_code(code))
     refuse(fmt::format("--code {}: give eight letters of K R G B, for P1 to P8, for example KRGBKKRB", code));
-  if (const std::optional<std::size_t> turn = find_own_turn(code))
-    refuse(fmt::format(
-        "--code {}: it looks the same after a turn by {} dots, so nobody can tell which way is up: change a letter",
-        code, *turn));
+  if (is_black_and_white(code)) return;
+  if (const CodeDistance own = own_distance(code); own.places < kLeastCodeDistance)
+    refuse(
+        fmt::format("--code {}: it looks the same after a turn by {} {}, so nobody can tell which way is up: change a "
+                    "letter",
+                    code, own.turn, own.turn == 1 ? "dot" : "dots"));
 }
 
 void check_lengths(const PatternOptions& o) {
@@ -75,32 +73,6 @@ void check_lengths(const PatternOptions& o) {
         fmt::format("dots touch: with --ring-radius-mm {0:g} use for example --dot-diameter-mm {1:.1f} "
                     "--centre-diameter-mm {2:.1f}",
                     o.ring_radius_mm, o.ring_radius_mm * 25.4 / 80, o.ring_radius_mm * 50.8 / 80));
-}
-
-struct Paper {
-  double width_mm, height_mm;
-};
-
-/// Upright, whichever way round it was named.
-Paper parse_sheet(const std::string& sheet) {
-  std::string name = sheet;
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  constexpr std::array<Paper, 6> kIso216{{{841, 1189}, {594, 841}, {420, 594}, {297, 420}, {210, 297}, {148, 210}}};
-  if (name.size() == 2 && name[0] == 'a' && name[1] >= '0' && name[1] <= '5')
-    return kIso216[static_cast<std::size_t>(name[1] - '0')];
-  double first_mm = 0, second_mm = 0;
-  const char* const end = name.data() + name.size();
-  const auto first = std::from_chars(name.data(), end, first_mm);
-  const bool has_cross = first.ec == std::errc{} && first.ptr != end && *first.ptr == 'x';
-  const auto second = has_cross ? std::from_chars(first.ptr + 1, end, second_mm) : first;
-  if (!has_cross || second.ec != std::errc{} || second.ptr != end)
-    refuse(fmt::format("--sheet {}: give a0 to a5, or WIDTHxHEIGHT in mm, for example 210x297", sheet));
-  const Paper paper{std::min(first_mm, second_mm), std::max(first_mm, second_mm)};
-  if (!(paper.width_mm >= kNarrowestPaper_mm && paper.height_mm <= kLargestPaper_mm))
-    refuse(fmt::format("--sheet {}: give sides of at least {} mm, for the scale bar, and at most {} mm", sheet,
-                       kNarrowestPaper_mm, kLargestPaper_mm));
-  return paper;
 }
 
 double sheet_side_mm(const PatternOptions& o) {
@@ -170,6 +142,11 @@ void add_scale_bar(PatternPage& page, const PagePoint& left) {
 
 }  // namespace
 
+std::string describe_lengths(const PatternOptions& options) {
+  return fmt::format("ring radius {:g} mm, dots {:g} mm, centre dot {:g} mm in diameter", options.ring_radius_mm,
+                     options.dot_diameter_mm, options.centre_diameter_mm);
+}
+
 PatternPage make_pattern_page(const PatternOptions& options) {
   check_code(options.code);
   check_lengths(options);
@@ -179,8 +156,8 @@ PatternPage make_pattern_page(const PatternOptions& options) {
   PatternPage page;
   page.width_mm = paper.width_mm, page.height_mm = paper.height_mm;
   const std::string kind = is_black_and_white(options.code) ? "black and white" : "code " + options.code;
-  page.title = options.landmark_id >= 0 ? fmt::format("ninedot landmark {}, {}", options.landmark_id, kind)
-                                        : "ninedot landmark, " + kind;
+  page.title = options.landmark_id ? fmt::format("ninedot landmark {}, {}", *options.landmark_id, kind)
+                                   : "ninedot landmark, " + kind;
   const double side_mm = sheet_side_mm(options);
   const PagePoint middle{paper.width_mm / 2, kTopBand_mm + side_mm / 2};
   add_cut_lines(page, middle, side_mm);
@@ -189,12 +166,9 @@ PatternPage make_pattern_page(const PatternOptions& options) {
 
   const PagePoint bar{paper.width_mm / 2 - kScaleBar_mm / 2, kTopBand_mm + side_mm + 12};
   add_scale_bar(page, bar);
-  const std::array<std::string, 5> lines{
-      "check: this bar is 100 mm long", page.title,
-      fmt::format("ring radius {:g} mm, dots {:g} mm, centre dot {:g} mm in diameter", options.ring_radius_mm,
-                  options.dot_diameter_mm, options.centre_diameter_mm),
-      "print at 100 % - actual size, not fitted to the page - on matt paper",
-      "cut along the grey lines; mount flat, arrow up: P1 is the lowest dot"};
+  const std::array<std::string, 5> lines{"check: this bar is 100 mm long", page.title, describe_lengths(options),
+                                         "print at 100 % - actual size, not fitted to the page - on matt paper",
+                                         "cut along the grey lines; mount flat, arrow up: P1 is the lowest dot"};
   double y_mm = bar.y_mm + 5;
   for (const std::string& line : lines) {
     page.items.emplace_back(PageText{{bar.x_mm, y_mm}, 3.2, line});

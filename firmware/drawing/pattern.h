@@ -1,5 +1,7 @@
 #pragma once
 /// The printed landmark: a page laid out in millimetres, and its exact form as SVG and PDF.
+#include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -8,12 +10,12 @@ namespace ninedot {
 
 /// What to print. Lengths in mm, as the configuration's [landmark] names them.
 struct PatternOptions {
-  int landmark_id = 0;
-  std::string code;  ///< P1..P8, eight of K R G B; empty = all black
+  std::optional<int> landmark_id = 0;  ///< nothing: the code has no number
+  std::string code;                    ///< P1..P8, eight of K R G B; empty = all black
   double ring_radius_mm = 80.0;
   double dot_diameter_mm = 25.4;
   double centre_diameter_mm = 50.8;
-  std::string sheet = "a4";  ///< a0..a5, or WIDTHxHEIGHT in mm; used upright
+  std::string sheet = "a4";  ///< as parse_sheet of drawing/paper.h takes it
 };
 
 /// Page coordinates: mm from the upper left corner of the paper, x right, y down.
@@ -58,9 +60,13 @@ struct PatternPage {
 /// fits).
 PatternPage make_pattern_page(const PatternOptions& options);
 
+/// "ring radius 80 mm, dots 25.4 mm, ..."
+std::string describe_lengths(const PatternOptions& options);
+
 /// A whole file each. Lengths are exact to 1e-6 mm; the PDF's discs are made of eight Bezier arcs, radius true to 5e-6
 /// of it.
 std::string encode_svg(const PatternPage& page);
-std::string encode_pdf(const PatternPage& page);
+/// \param pages  in this order; the file has the title of the first one; at least one (contract)
+std::string encode_pdf(std::span<const PatternPage> pages);
 
 }  // namespace ninedot

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/contract.h"
 #include "drawing/pattern.h"
 
 namespace ninedot {
@@ -118,31 +119,37 @@ std::string encode_svg(const PatternPage& page) {
   return file + "</svg>\n";
 }
 
-std::string encode_pdf(const PatternPage& page) {
-  std::string content = fmt::format("{0:.12f} 0 0 {0:.12f} 0 0 cm\n", kPointsPerMm);
-  for (const PageItem& item : page.items) content += pdf_item(item, page.height_mm);
-
+std::string encode_pdf(std::span<const PatternPage> pages) {
+  EXPECTS(!pages.empty());
+  constexpr std::size_t kFirstPage = 5;  // objects 1 to 4 are for all; each page is two
+  std::string kids;
+  for (std::size_t i = 0; i < pages.size(); ++i) kids += fmt::format("{}{} 0 R", i == 0 ? "" : " ", kFirstPage + 2 * i);
   // PrintScaling None makes readers offer "actual size" first (12.2).
-  const std::string objects[] = {
+  std::vector<std::string> objects{
       "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
-      "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-      fmt::format("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {} {}] /Contents 4 0 R /Resources << /Font << /F1 5 0 R "
-                  ">> >> >>",
-                  number(page.width_mm * kPointsPerMm), number(page.height_mm * kPointsPerMm)),
-      fmt::format("<< /Length {} >>\nstream\n{}\nendstream", content.size(), content),
+      fmt::format("<< /Type /Pages /Kids [{}] /Count {} >>", kids, pages.size()),
       "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>",
-      fmt::format("<< /Title ({}) /Creator (ninedot pattern) >>", page.title),
+      fmt::format("<< /Title ({}) /Creator (ninedot pattern) >>", pages.front().title),
   };
+  for (const PatternPage& page : pages) {
+    std::string content = fmt::format("{0:.12f} 0 0 {0:.12f} 0 0 cm\n", kPointsPerMm);
+    for (const PageItem& item : page.items) content += pdf_item(item, page.height_mm);
+    objects.push_back(fmt::format(
+        "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {} {}] /Contents {} 0 R /Resources << /Font << /F1 3 0 R >> >> >>",
+        number(page.width_mm * kPointsPerMm), number(page.height_mm * kPointsPerMm), objects.size() + 2));
+    objects.push_back(fmt::format("<< /Length {} >>\nstream\n{}\nendstream", content.size(), content));
+  }
+
   std::string file = "%PDF-1.4\n";
   std::string table;
-  int count = 1;
+  std::size_t count = 1;
   for (const std::string& object : objects) {
     table += fmt::format("{:010} 00000 n \n", file.size());
     file += fmt::format("{} 0 obj\n{}\nendobj\n", count++, object);
   }
   const std::size_t table_at = file.size();
   return file + fmt::format(
-                    "xref\n0 {0}\n0000000000 65535 f \n{1}trailer\n<< /Size {0} /Root 1 0 R /Info 6 0 R "
+                    "xref\n0 {0}\n0000000000 65535 f \n{1}trailer\n<< /Size {0} /Root 1 0 R /Info 4 0 R "
                     ">>\nstartxref\n{2}\n%%EOF\n",
                     count, table, table_at);
 }

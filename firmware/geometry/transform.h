@@ -9,6 +9,7 @@ namespace frame {
 struct Camera {};    ///< optical frame: x right, y down, z forward
 struct Landmark {};  ///< S0: origin in the middle of P9, X to the viewer's left, Y out of the sheet, Z up
 struct World {};     ///< Z up
+struct Body {};      ///< of the robot: x forward, y left, z up
 }  // namespace frame
 
 /// p_to = rotation * p_from + translation_m. A wrong product does not compile.

@@ -39,7 +39,7 @@ class SpotThreshold {
 
  private:
   ImageBuffer scratch_, dilated_, closed_, eroded_;
-  ImageBuffer strip_[4];
+  ImageBuffer fours_, line_[2];
 };
 
 }  // namespace ninedot

@@ -62,6 +62,9 @@ WireReport wire_report(const Report& report) noexcept {
     wire.rival_in_landmark = wire_pose(report.rival.camera_in_landmark);
     wire.rival_in_world = wire_pose(report.rival.camera_in_world);
   }
+  wire.landmarks_seen = report.landmarks_seen;
+  wire.landmarks_rejected = report.landmarks_rejected;
+  wire.last_rejected_id = report.last_rejected_id;
   if (report.has_pose) fill_pose(report, wire);
   wire.has_head = report.head.present;
   wire.servo_limit = report.head.limited;

@@ -3,12 +3,15 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 
 #include "base/inline_vector.h"
 #include "detect/observation.h"
 #include "image/frame.h"
 #include "pose/estimate.h"
 #include "report/report.h"
+#include "track/pose_filter.h"
+#include "world/sighting_fit.h"
 
 namespace ninedot {
 
@@ -21,9 +24,18 @@ struct LandmarkFix {
   std::array<double, 6> sigma_world{};                    ///< 1-sigma: x y z [m], about the world's x y z [rad]
   Reason verdict = Reason::kNone;                         ///< kNone: it may be acted on; else why not
   std::uint16_t quality = 0;                              ///< 0..1000, see pose_quality
+  LandmarkSighting sighting;                              ///< what joins it with others and with other pictures
 
   /// Of the camera in the frame of this landmark.
   const PoseEstimate& pose() const noexcept { return candidates.list[chosen].pose; }
+};
+
+/// Where the camera is in the world, by all landmarks of a frame that have a place there.
+struct WorldFix {
+  WorldFromCamera T_world_camera;
+  PoseInformation covariance = PoseInformation::Zero();             ///< of a PoseStep [m^2, m rad, rad^2]
+  double ambiguity = 0;                                             ///< odds of all other places, 0..1
+  InlineVector<std::uint16_t, kMaxLandmarksInView> used, rejected;  ///< ids of the map
 };
 
 /// What one frame says of where the camera is. Says nothing of the frames before it.
@@ -33,8 +45,10 @@ struct Fix {
   bool tracked = false;                 ///< it was where it was expected
   bool calibrated = false;              ///< the camera's calibration was loaded
   Solver solver = Solver::kFull;
-  /// The landmarks that gave a pose, to be acted on or not, the one that counts first; at most one as yet.
+  /// The landmarks that gave a pose, to be acted on or not, the one that counts first.
   InlineVector<LandmarkFix, kMaxLandmarksInView> landmarks;
+  std::optional<WorldFix> world;     ///< none: not valid, or no landmark in view has a place in the world
+  std::optional<TrackedPose> track;  ///< by this and all frames before; none: nothing is known of it any more
   std::chrono::nanoseconds process_time{};
   WorkCounts work;  ///< of all frames since the start, whatever `reason` says
 
@@ -47,6 +61,10 @@ class FrameProcessor {
   virtual ~FrameProcessor() = default;
   /// \return  valid until the next call. Memory: none. Threads: one caller.
   virtual const Fix& process(const Frame& frame) noexcept = 0;
+
+  /// A landmark of the last frame, for overlays; null when it showed none. Where its outlines alone were followed it
+  /// says so (LandmarkObservation::from_pose).
+  virtual const LandmarkObservation* last_observation() const noexcept { return nullptr; }
 };
 
 }  // namespace ninedot

@@ -6,12 +6,17 @@
 #include <cmath>
 #include <utility>
 
-#include "detect/numbering.h"
+#include "geometry/renumbered.h"
 #include "pipeline/report_reason.h"
-#include "pose/observation_of_pose.h"
-#include "pose/pose_of_outlines.h"
 
 namespace ninedot {
+
+namespace {
+
+/// A reading that is worse by more is excluded: as where a mirror image isn't refined (pose/full_solver.cpp).
+constexpr double kExcluded_chi2 = 60;
+
+}  // namespace
 
 std::uint16_t pose_quality(const PoseEstimate& pose) noexcept {
   constexpr double kHalfPrecision = 0.005;  // 0.5 % of the distance: what an integrator would still drive on
@@ -40,44 +45,36 @@ std::array<double, 6> world_sigmas(const PoseEstimate& pose,
   return sigmas;
 }
 
+std::array<double, 6> world_sigmas(const WorldFromCamera& T_world_camera, const PoseInformation& covariance) noexcept {
+  const Eigen::Matrix3d rotation =
+      T_world_camera.rotation * covariance.bottomRightCorner<3, 3>() * T_world_camera.rotation.transpose();
+  std::array<double, 6> sigmas{};
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    sigmas[static_cast<std::size_t>(i)] = std::sqrt(std::max(0.0, covariance(i, i)));
+    sigmas[static_cast<std::size_t>(i) + 3] = std::sqrt(std::max(0.0, rotation(i, i)));
+  }
+  return sigmas;
+}
+
 Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
     : options_(options),
-      camera_(camera),
-      detector_(camera, options.landmark, options.detector),
-      full_(camera, options.landmark),
-      ellipse_(camera, options.landmark, options.ellipse),
-      track_({camera.fx_px, options.landmark, options.solver == Solver::kFull, options.detector.upright}) {}
-
-Result<std::size_t> Localiser::follow_outlines(const Frame& frame) noexcept {
-  const auto untrackable = fail(Errc::kNoLandmark, "its outlines can't be foretold well enough");
-  if (options_.solver != Solver::kFull || !track_.may_follow_outlines()) return untrackable;
-  const bool look_at_mirror = track_.must_look_at_mirror();
-  NINEDOT_TRY(candidates_, full_.follow(frame.luma, track_.expected_at(frame.exposed_at()), *track_.prior(),
-                                        look_at_mirror, budget_.pixels));
-  const PoseCandidate& followed = candidates_.list[0];
-  if (!track_.accepts(followed, frame.exposed_at()) || !fits_picture(followed, noise_))
-    return fail(Errc::kNoLandmark, "the landmark is not as it was");
-  track_.see(observation_of(followed.outlines.T_camera_landmark, followed.visible_share, camera_, options_.landmark));
-  return track_.take(candidates_, look_at_mirror, frame.exposed_at());
-}
-
-Result<std::size_t> Localiser::detect_near_track(const Frame& frame) noexcept {
-  NINEDOT_TRY(const LandmarkObservation seen,
-              detector_.find_landmark_near(frame.luma, track_.forecast(frame.exposed_at()), budget_));
-  return solve(frame, seen, track_.prior());
-}
+      seeker_(camera, options.seeker),
+      track_({camera.fx_px, options.seeker.landmark, options.seeker.solver == Solver::kFull,
+              options.seeker.detector.upright}),
+      filter_(options.filter) {}
 
 Result<std::size_t> Localiser::search(const Frame& frame) noexcept {
   track_.jump();
+  WorkBudget& budget = seeker_.budget();
   const std::size_t guess = std::exchange(next_guess_, 0);
   Result<std::size_t> chosen = fail(Errc::kNoLandmark, "nothing in the picture is a landmark");
   const auto try_guess = [&](const LandmarkObservation& seen) {
-    if (!chosen) chosen = solve_guess(frame, seen);
-    return chosen || budget_.pixels > 0;
+    if (!chosen) chosen = seeker_.solve_guess(frame, seen, track_);
+    return chosen || budget.pixels > 0;
   };
-  NINEDOT_TRY(const auto likely, detector_.find_landmarks(frame.luma, budget_));
+  NINEDOT_TRY(const auto likely, seeker_.detector().find_landmarks(frame.luma, budget));
   if (guess == 0 && (!try_guess(likely.front()) || chosen)) return chosen;
-  NINEDOT_TRY(const auto unlikely, detector_.find_more_landmarks(frame.luma, budget_));
+  NINEDOT_TRY(const auto unlikely, seeker_.detector().find_more_landmarks(frame.luma, budget));
   std::size_t begin_at = guess > 0 ? guess - 1 : 0;
   const std::size_t tried =
       go_round(unlikely.size(), begin_at, [&](std::size_t rank) { return try_guess(unlikely[rank]); });
@@ -85,46 +82,53 @@ Result<std::size_t> Localiser::search(const Frame& frame) noexcept {
   return chosen;
 }
 
-/// What looks like the landmark, though nothing has told yet where it is.
-Result<std::size_t> Localiser::solve_guess(const Frame& frame, LandmarkObservation seen) noexcept {
-  // Only the priors have numbered it. What was tracked a moment ago keeps its numbers.
-  if (const auto known = track_.remembered(frame.exposed_at()))
-    if (const auto first = first_dot_by_forecast(seen.H_ray_plane, known->H_ray_plane, options_.landmark))
-      seen = renumbered(seen, *first);
-  return solve(frame, seen, nullptr);
+/// The camera in the world, by this landmark alone; and its track, which keeps what one picture leaves open: the mirror
+/// image, and other numberings.
+void Localiser::follow_in_world(const Frame& frame, const LandmarkFix& fix) noexcept {
+  const MappedLandmark& mapped = options_.map.landmarks().front();
+  const PoseEstimate& pose = fix.pose();
+  if (fix.verdict == Reason::kNone) {
+    PoseInformation turn = PoseInformation::Identity();
+    turn.topLeftCorner<3, 3>() = mapped.T_world_landmark.rotation;
+    fix_.world = WorldFix{fix.T_world_camera, turn * pose.covariance * turn.transpose(), pose.ambiguity, {}, {}};
+    (void)fix_.world->used.try_push_back(fix.id);
+  }
+  LandmarkSighting sighting = fix.sighting;
+  widen_by_scatter(sighting, options_.seeker.landmark);
+  widen(sighting, seeker_.row_uncertainty(track_), seeker_.camera());
+  const JointMember member{&sighting, mapped.T_world_landmark, &mapped.covariance};
+  InlineVector<WorldReading, PoseFilter::kMaxReadings> readings;
+  const PoseCandidate& believed = fix.candidates.list[fix.chosen];
+  const NumberingCosts costs =
+      upright_costs(pose.T_landmark_camera.inverse(), options_.seeker.landmark, options_.seeker.detector.upright);
+  const auto offer = [&](const PoseCandidate& candidate, std::size_t turn) {
+    const double above_chi2 = candidate.chi2_above - believed.chi2_above + costs[turn] - costs[0];
+    if (above_chi2 > kExcluded_chi2) return;
+    const CameraFromLandmark T = candidate.pose.T_landmark_camera.inverse();
+    (void)readings.try_push_back(
+        {mapped.T_world_landmark * renumbered(T, static_cast<int>(turn)).inverse(), above_chi2, turn});
+  };
+  for (std::size_t turn = 0; turn < kRingDotCount; ++turn)
+    for (std::size_t i = 0; i < fix.candidates.list.size(); ++i) {
+      // The believed one comes first.
+      const std::size_t index = i == 0 ? fix.chosen : i <= fix.chosen ? i - 1 : i;
+      if (fix.candidates.list[index].refined) offer(fix.candidates.list[index], turn);
+    }
+  (void)filter_.take(frame.exposed_at(), {&member, 1}, readings.span());
 }
 
-Result<std::size_t> Localiser::solve(const Frame& frame, const LandmarkObservation& seen,
-                                     const PosePrior* prior) noexcept {
-  const bool full = options_.solver == Solver::kFull;
-  const auto answer = full ? full_.solve(frame.luma, seen, prior, budget_.pixels) : ellipse_.solve(seen);
-  if (!answer) {
-    if (answer.error().code == Errc::kPoseDegenerate) track_.see(seen);
-    return tl::unexpected<Error>(answer.error());
-  }
-  candidates_ = *answer;
-  const PoseCandidate& best = candidates_.list[0];
-  // The closed form looks at centres alone: whether there are outlines of a landmark is asked of the picture apart.
-  const Result<PoseCandidate> examined =
-      full ? best : full_.examine(frame.luma, best.pose.T_landmark_camera.inverse(), budget_.pixels);
-  if (!examined || !fits_picture(*examined, noise_)) {
-    if (!misfit_ && is_publishable(best.pose)) misfit_ = candidates_;
-    return fail(Errc::kNoLandmark, "the picture does not fit a landmark");
-  }
-  track_.see(seen);
-  return track_.take(candidates_, true, frame.exposed_at());
-}
-
-void Localiser::add_fix(std::size_t chosen, bool fits) noexcept {
+void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bool fits) noexcept {
   const MappedLandmark& landmark = options_.map.landmarks().front();
   LandmarkFix fix;
   fix.id = landmark.id;
-  fix.candidates = candidates_;
+  fix.candidates = candidates;
   fix.chosen = chosen;
+  widen(fix.candidates.list[chosen].pose, seeker_.row_uncertainty(track_), seeker_.camera());
   const PoseEstimate& pose = fix.pose();
   fix.T_world_camera = landmark.T_world_landmark * pose.T_landmark_camera;
   fix.sigma_world = world_sigmas(pose, landmark.T_world_landmark);
   fix.quality = pose_quality(pose);
+  fix.sighting = {fix.id, pose.T_landmark_camera.inverse(), fix.candidates.list[chosen].dots};
   fix.verdict = verdict_on(pose, fits, options_.trust);
   fix_.reason = fix.verdict;
   (void)fix_.landmarks.try_push_back(fix);  // the only one
@@ -133,39 +137,38 @@ void Localiser::add_fix(std::size_t chosen, bool fits) noexcept {
 const Fix& Localiser::process(const Frame& frame) noexcept {
   const MonoTime begin = mono_now();
   fix_.landmarks.clear();
+  fix_.world.reset();
   fix_.calibrated = options_.calibrated;
-  fix_.solver = options_.solver;
-  noise_ = PictureNoise(frame.luma);
-  misfit_.reset();
-  budget_ = options_.budget;
+  fix_.solver = options_.seeker.solver;
+  seeker_.begin(frame, options_.budget);
 
   // Without tracking a frame's answer depends on that frame alone.
-  if (!options_.tracking || track_.is_numbering_refuted()) track_.reset();
+  if (!options_.tracking || track_.is_numbering_refuted()) track_.reset(), filter_.reset();
   const bool has_track = options_.tracking && track_.has_sighting() && next_guess_ == 0;
   Result<std::size_t> chosen = fail(Errc::kNoLandmark, "there is no track");
-  if (has_track) chosen = follow_outlines(frame);
-  if (has_track && !chosen) chosen = detect_near_track(frame);
+  if (has_track) chosen = seeker_.follow_outlines(frame, track_);
+  if (has_track && !chosen) chosen = seeker_.detect_near_track(frame, track_);
   fix_.tracked = chosen.has_value();
   if (!chosen) chosen = search(frame);  // the landmark jumped, or what was near the track is not it
 
+  WorkBudget& budget = seeker_.budget();
   if (chosen) {
-    add_fix(*chosen, true);
+    add_fix(seeker_.candidates(), *chosen, true);
+    if (options_.seeker.solver == Solver::kFull) follow_in_world(frame, fix_.main());
   } else {
     track_.lose_pose(track_.has_sighting());
     fix_.reason = reason_of(chosen.error().code);
-    const bool out_of_pixels = budget_.pixels <= 0;
+    const bool out_of_pixels = budget.pixels <= 0;
     // What was tried first comes last in the next frame.
     if (out_of_pixels && next_guess_ == 0) next_guess_ = 1;
-    budget_.is_overdrawn |= out_of_pixels;
-    if (out_of_pixels || (fix_.reason == Reason::kNoLandmark && budget_.is_overdrawn)) fix_.reason = Reason::kCrowded;
-    if (misfit_) {
-      candidates_ = *misfit_;
-      add_fix(0, false);
-    }
+    budget.is_overdrawn |= out_of_pixels;
+    if (out_of_pixels || (fix_.reason == Reason::kNoLandmark && budget.is_overdrawn)) fix_.reason = Reason::kCrowded;
+    if (seeker_.misfit()) add_fix(*seeker_.misfit(), 0, false);
   }
+  fix_.track = filter_.at(frame.exposed_at());
   fix_.found = track_.has_sighting() || !fix_.landmarks.empty();
-  if (budget_.is_overdrawn) ++frames_cut_;
-  fix_.work = detector_.counts();
+  if (budget.is_overdrawn) ++frames_cut_;
+  fix_.work = seeker_.detector().counts();
   fix_.work.frames_cut = frames_cut_;
   fix_.process_time = mono_now() - begin;
   return fix_;

@@ -1,25 +1,22 @@
 #pragma once
 /// One frame's path: picture -> dots -> landmark -> pose with its uncertainty -> fix. The whole path is in `process`.
-#include "detect/detector.h"
-#include "image/noise.h"
 #include "pipeline/frame_processor.h"
+#include "pipeline/landmark_seeker.h"
 #include "pipeline/verdict.h"
-#include "pose/ellipse_solver.h"
-#include "pose/full_solver.h"
-#include "track/track.h"
 #include "world/landmark_map.h"
 
 namespace ninedot {
 
 struct LocaliserOptions {
-  LandmarkGeometry landmark{};
-  DetectorOptions detector{};
-  Solver solver = Solver::kFull;
-  EllipseCalibration ellipse{};
+  SeekerOptions seeker{};
   bool tracking = true;  ///< look where the landmark was before searching the whole picture
   TrustLimits trust{};   ///< what is beyond them is found, but not valid
   WorkBudget budget{};   ///< what one frame may cost
-  LandmarkMap map{};     ///< one landmark as yet: the first is the one that is seen
+  LandmarkMap map{};     ///< Localiser: of one landmark
+  PoseFilterOptions filter{};
+  /// [frames] between two searches of the whole picture while landmarks are followed (RoomLocaliser): three searches a
+  /// second at 35 frames a second show a sheet that the map does not expect, at a tenth of a search for each frame.
+  int search_every = 10;
   bool calibrated = true;
 };
 
@@ -33,44 +30,35 @@ std::uint16_t pose_quality(const PoseEstimate& pose) noexcept;
 std::array<double, 6> world_sigmas(const PoseEstimate& pose,
                                    const Transform<frame::World, frame::Landmark>& T_world_landmark) noexcept;
 
-/// Memory: everything is allocated by the constructor. Threads: one caller.
+/// 1-sigmas of a place of the camera, likewise [m, rad]. \param covariance  of a PoseStep [m^2, m rad, rad^2]
+std::array<double, 6> world_sigmas(const WorldFromCamera& T_world_camera, const PoseInformation& covariance) noexcept;
+
+/// Where there is one black-and-white landmark. Memory: everything is allocated by the constructor. Threads: one
+/// caller.
 class Localiser final : public FrameProcessor {
  public:
   Localiser(const CameraModel& camera, const LocaliserOptions& options);
 
   const Fix& process(const Frame& frame) noexcept override;
 
-  /// The last landmark found, for overlays; null when the last frame showed none. Where its outlines alone were
-  /// followed it says so (LandmarkObservation::from_pose).
-  const LandmarkObservation* last_observation() const noexcept {
+  const LandmarkObservation* last_observation() const noexcept override {
     return track_.has_sighting() ? &track_.sighting() : nullptr;
   }
 
  private:
-  /// What a way to the pose has found, chosen and judged to fit the picture. None of them: the error of the last one
-  /// that saw something.
-  Result<std::size_t> follow_outlines(const Frame& frame) noexcept;
-  Result<std::size_t> detect_near_track(const Frame& frame) noexcept;
   Result<std::size_t> search(const Frame& frame) noexcept;
-  Result<std::size_t> solve_guess(const Frame& frame, LandmarkObservation seen) noexcept;
-  Result<std::size_t> solve(const Frame& frame, const LandmarkObservation& seen, const PosePrior* prior) noexcept;
-  void add_fix(std::size_t chosen, bool fits) noexcept;
+  void add_fix(const PoseCandidates& candidates, std::size_t chosen, bool fits) noexcept;
+
+  void follow_in_world(const Frame& frame, const LandmarkFix& fix) noexcept;
 
   const LocaliserOptions options_;
-  CameraModel camera_;
-  Detector detector_;
-  FullSolver full_;
-  EllipseSolver ellipse_;
+  LandmarkSeeker seeker_;
   Track track_;
+  PoseFilter filter_;
   // What the frame before had no pixels left for: 0 nothing; else the search leaves out the likeliest guess and begins
   // with this one of the less likely.
   std::size_t next_guess_ = 0;
   std::uint32_t frames_cut_ = 0;
-  // Of the frame under way.
-  PictureNoise noise_;
-  WorkBudget budget_;
-  PoseCandidates candidates_;
-  std::optional<PoseCandidates> misfit_;  // the first that looked like a landmark and does not fit the picture
   Fix fix_;
 };
 

@@ -51,6 +51,7 @@ void mark_invalid(Reason reason, Report& report) noexcept {
   report.valid = report.found = report.tracking = report.ambiguous = false;
   report.rival = {};
   report.quality = 0;
+  report.landmarks_seen = report.landmarks_rejected = 0;
   report.reason = reason;
 }
 
@@ -81,6 +82,9 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix, con
     report.ambiguous = true;
     report.ambiguity = fix.main().pose().ambiguity;
   }
+  report.landmarks_seen = static_cast<std::uint16_t>(fix.landmarks.size());
+  report.landmarks_rejected = static_cast<std::uint16_t>(fix.world ? fix.world->rejected.size() : 0);
+  if (report.landmarks_rejected > 0) report.last_rejected_id = fix.world->rejected[report.landmarks_rejected - 1U];
   report.found = fix.found;
   report.tracking = fix.tracked;
   report.process_time = fix.process_time;
@@ -96,10 +100,12 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix, con
   return report;
 }
 
-Report with_pose_of(const Report& report, const Frame& frame, const Fix& fix) noexcept {
-  EXPECTS(!fix.landmarks.empty());
+Report with_pose_of(const Report& report, const Frame& frame, const LandmarkFix& landmark) noexcept {
   Report shown = report;
-  fill_pose(fix.main(), shown);
+  fill_pose(landmark, shown);
+  fill_rival(landmark, shown);
+  shown.valid = landmark.verdict == Reason::kNone;
+  shown.reason = landmark.verdict;
   shown.has_pose = true;
   shown.exposed_at = frame.exposed_at();
   return shown;

@@ -17,9 +17,9 @@ struct ReportContext {
 /// size is wrong counts as failed, every other one as processed. Memory: none. Threads: pure; the frame loop's.
 Report next_report(const Report& before, const Frame& frame, const Fix& fix, const ReportContext& context) noexcept;
 
-/// For tables: the report of a frame with that frame's own pose in place of the last valid one, whatever its verdict.
-/// \param report  what next_report said of the same frame \param fix  with a landmark (contract)
-Report with_pose_of(const Report& report, const Frame& frame, const Fix& fix) noexcept;
+/// For tables: the report of a frame with what that frame says of one landmark in place of the last valid pose,
+/// whatever its verdict. \param report  what next_report said of the same frame
+Report with_pose_of(const Report& report, const Frame& frame, const LandmarkFix& landmark) noexcept;
 
 /// Where there was no frame: the pose stays, everything that calls it fresh goes.
 /// \param reason  not kNone (contract). Unreadable frames and those of a wrong size are counted.

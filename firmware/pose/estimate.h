@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/inline_vector.h"
+#include "geometry/dot_sighting.h"
 #include "geometry/landmark.h"
 #include "geometry/optimiser_statistics.h"
 #include "geometry/transform.h"
@@ -68,7 +69,8 @@ struct PoseCandidate {
   bool refined = true;
   OptimiserStatistics statistics;                 ///< of its refinement
   OutlineFit fit;                                 ///< of its outlines; solver "full"
-  OutlineShape shape;                             ///< likewise; 0 where it was not asked for: foretold, or excluded
+  DotSightings dots;                              ///< what each of its outlines says by itself
+  OutlineShape shape;                             ///< likewise; 0 but in the best of a search's answer
   double dot_radius_px = 0;                       ///< of the ring's dots, likewise, seen from in front
   OutlineState outlines;                          ///< solver "full": what a next frame may start from
   std::array<double, kDotCount> visible_share{};  ///< of each dot's outline, where it belongs. 0..1

@@ -50,10 +50,13 @@ struct FullSolver::Workspace {
         first(camera, landmark, rays),
         second(camera, landmark, rays) {}
 
-  Result<PlanarPoses> planar_poses(const LandmarkObservation& seen) const noexcept;
-  Result<Starts> starts_from(const LandmarkObservation& seen, const PosePrior* prior) const noexcept;
+  Eigen::Vector2d ray_at_middle(const LandmarkObservation& seen, std::size_t dot, const Eigen::Vector2d& ray,
+                                double row_px, const SheetMotion& motion) const noexcept;
+  Result<PlanarPoses> planar_poses(const LandmarkObservation& seen, const SheetMotion& motion) const noexcept;
+  Result<Starts> starts_from(const LandmarkObservation& seen, const PosePrior* prior,
+                             const SheetMotion& motion) const noexcept;
   bool refine_first(const ImageView& luma, const LandmarkObservation& seen, const Starts& starts,
-                    const PosePrior* prior, double warp_px, int& pixels) noexcept;
+                    const PosePrior* prior, double warp_px, int& pixels, const SheetMotion& motion) noexcept;
   std::optional<PoseCandidate> weigh_mirror(const ImageView& luma, bool side_is_settled, double warp_px,
                                             bool may_refine, int& pixels) noexcept;
 
@@ -63,27 +66,44 @@ struct FullSolver::Workspace {
   OutlineRefiner first, second;  ///< scratch
 };
 
-Result<PlanarPoses> FullSolver::Workspace::planar_poses(const LandmarkObservation& seen) const noexcept {
+/// Where a dot would have been seen while the middle row was exposed. The detector's map tells its depth well enough.
+Eigen::Vector2d FullSolver::Workspace::ray_at_middle(const LandmarkObservation& seen, std::size_t dot,
+                                                     const Eigen::Vector2d& ray, double row_px,
+                                                     const SheetMotion& motion) const noexcept {
+  if (motion.row_time_s == 0) return ray;
+  const Eigen::Matrix3d sheet =
+      seen.H_ray_plane / (0.5 * (seen.H_ray_plane.col(0).norm() + seen.H_ray_plane.col(1).norm()));
+  const Eigen::Vector2d C = landmark.centre_m(dot);
+  const Eigen::Vector3d p_m = sheet * C.homogeneous();
+  if (!(p_m.z() > 0)) return ray;
+  return ray - motion.since_s(row_px) * motion.ray_velocity(p_m, sheet.col(2));
+}
+
+Result<PlanarPoses> FullSolver::Workspace::planar_poses(const LandmarkObservation& seen,
+                                                        const SheetMotion& motion) const noexcept {
   InlineVector<PlanePoint, kDotCount> points;  // as many as dots: no push can fail
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     if (!seen.dots[dot].seen) continue;
     const auto ray = camera.normalised_from_pixel(seen.dots[dot].centroid_px);
-    if (ray) (void)points.try_push_back({landmark.centre_m(dot), *ray});
+    if (ray)
+      (void)points.try_push_back(
+          {landmark.centre_m(dot), ray_at_middle(seen, dot, *ray, seen.dots[dot].centroid_px.y(), motion)});
   }
   if (points.size() >= kLeastCentroids) return solve_planar_pose(points.span());
   // The detector's map of the sheet is as good and covers all nine places.
   points.clear();
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     const Eigen::Vector2d C = landmark.centre_m(dot);
-    const Eigen::Vector3d q = seen.H_ray_plane * Eigen::Vector3d(C.x(), C.y(), 1);
-    (void)points.try_push_back({C, q.hnormalized()});
+    const Eigen::Vector2d ray = (seen.H_ray_plane * C.homogeneous()).hnormalized();
+    const double row_px = motion.row_time_s == 0 ? 0 : camera.pixel_from_normalised(ray).y();
+    (void)points.try_push_back({C, ray_at_middle(seen, dot, ray, row_px, motion)});
   }
   return solve_planar_pose(points.span());
 }
 
-Result<Starts> FullSolver::Workspace::starts_from(const LandmarkObservation& seen,
-                                                  const PosePrior* prior) const noexcept {
-  NINEDOT_TRY(PlanarPoses poses, planar_poses(seen));
+Result<Starts> FullSolver::Workspace::starts_from(const LandmarkObservation& seen, const PosePrior* prior,
+                                                  const SheetMotion& motion) const noexcept {
+  NINEDOT_TRY(PlanarPoses poses, planar_poses(seen, motion));
   Starts starts;
   const double apart_rad = angle_between_rad(poses[0].T_camera_landmark, poses[1].T_camera_landmark);
   starts.differ = apart_rad >= kSamePose_rad;
@@ -108,10 +128,12 @@ Result<Starts> FullSolver::Workspace::starts_from(const LandmarkObservation& see
 
 /// The better start, or the other one where that one leads nowhere.
 bool FullSolver::Workspace::refine_first(const ImageView& luma, const LandmarkObservation& seen, const Starts& starts,
-                                         const PosePrior* prior, double warp_px, int& pixels) noexcept {
+                                         const PosePrior* prior, double warp_px, int& pixels,
+                                         const SheetMotion& motion) noexcept {
   using Start = OutlineRefiner::Start;
   OutlineState start = prior != nullptr ? prior->outlines : OutlineState{};
   start.T_camera_landmark = starts.side[0];
+  start.motion = motion;
   const bool close =
       prior != nullptr && seen.seen_count >= static_cast<int>(kLeastCentroids) && starts.rms_px < kCloseStart_px;
   if (first.refine(luma, start, close ? Start::kClose : Start::kRough, warp_px, pixels).has_converged()) return true;
@@ -141,7 +163,7 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
   }
   if (angle_between_rad(first.state().T_camera_landmark, second.state().T_camera_landmark) < kSamePose_rad)
     return std::nullopt;
-  mirror = candidate_of(second, camera, landmark, true);
+  mirror = candidate_of(second, camera, landmark);
   // Half of the difference from the pixels of either: neither's choice of pixels and weights decides.
   mirror.chi2_above = 0.5 * (first.chi2_above(second.state()) - second.chi2_above(first.state()));
   return mirror;
@@ -153,14 +175,14 @@ FullSolver::FullSolver(const CameraModel& camera, const LandmarkGeometry& landma
 FullSolver::~FullSolver() = default;
 
 Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkObservation& seen, const PosePrior* prior,
-                                         int& pixels) noexcept {
+                                         int& pixels, const SheetMotion& motion) noexcept {
   Workspace& w = *workspace_;
-  NINEDOT_TRY(const Starts starts, w.starts_from(seen, prior));
+  NINEDOT_TRY(const Starts starts, w.starts_from(seen, prior, motion));
   PoseCandidates candidates;
   if (seen.seen_count > static_cast<int>(kLeastCentroids)) candidates.warp_px = kWarpShare * starts.rms_px;
-  if (!w.refine_first(luma, seen, starts, prior, candidates.warp_px, pixels))
+  if (!w.refine_first(luma, seen, starts, prior, candidates.warp_px, pixels, motion))
     return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
-  PoseCandidate best = candidate_of(w.first, w.camera, w.landmark, true);
+  PoseCandidate best = candidate_of(w.first, w.camera, w.landmark);
 
   std::optional<PoseCandidate> mirror;
   if (starts.centroids_decide()) {
@@ -175,8 +197,9 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
   // A mirror image that there was nothing left to refine with is not excluded by a glance.
   if (pixels <= 0 && mirror && !mirror->refined && !starts.centroids_decide())
     return fail(Errc::kPoseDegenerate, "the mirror image could not be looked at any more");
+  const bool mirror_is_better = mirror && mirror->refined && mirror->chi2_above < 0;
   if (mirror && mirror->refined) {
-    if (mirror->chi2_above < 0) std::swap(best, *mirror);
+    if (mirror_is_better) std::swap(best, *mirror);
     mirror->chi2_above = std::abs(mirror->chi2_above) + std::abs(best.chi2_above);
     best.chi2_above = 0;
   }
@@ -185,16 +208,18 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
     if (reading != nullptr && reading->refined && reading->chi2_above < kUndecided_chi2)
       if (const auto usable = check_pose(reading->pose, w.camera, w.landmark); !usable)
         return tl::unexpected<Error>(usable.error());
+  best.shape = (mirror_is_better ? w.second : w.first).shape();
   (void)candidates.list.try_push_back(best);
   if (mirror) (void)candidates.list.try_push_back(*mirror);
   return candidates;
 }
 
 Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const CameraFromLandmark& expected,
-                                          const PosePrior& prior, bool look_at_mirror, int& pixels) noexcept {
+                                          const PosePrior& prior, int& pixels, const SheetMotion& motion) noexcept {
   Workspace& w = *workspace_;
   OutlineState start = prior.outlines;
   start.T_camera_landmark = expected;
+  start.motion = motion;
   const auto lost = fail(Errc::kNoLandmark, "the landmark is not where it was expected");
   // Where shadows cut the dots, their centroids know better than the frame before how far to trust the outlines.
   if (!w.first.refine(luma, start, OutlineRefiner::Start::kExpected, prior.warp_px, pixels).has_converged() ||
@@ -202,23 +227,24 @@ Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const CameraFro
     return lost;
   PoseCandidates candidates;
   candidates.warp_px = prior.warp_px;
-  (void)candidates.list.try_push_back(candidate_of(w.first, w.camera, w.landmark, false));
-  if (look_at_mirror) {
-    const auto mirror = w.weigh_mirror(luma, prior.side_is_settled, prior.warp_px, false, pixels);
-    if (mirror && mirror->refined) return lost;
-    if (mirror) (void)candidates.list.try_push_back(*mirror);
-  }
+  (void)candidates.list.try_push_back(candidate_of(w.first, w.camera, w.landmark));
+  const auto mirror = w.weigh_mirror(luma, prior.side_is_settled, prior.warp_px, false, pixels);
+  if (mirror && mirror->refined) return lost;
+  if (mirror) (void)candidates.list.try_push_back(*mirror);
   return candidates;
 }
 
 Result<PoseCandidate> FullSolver::examine(const ImageView& luma, const CameraFromLandmark& T_camera_landmark,
-                                          int& pixels) noexcept {
+                                          int& pixels, const SheetMotion& motion) noexcept {
   OutlineRefiner& refiner = workspace_->first;
   OutlineState start;
   start.T_camera_landmark = T_camera_landmark;
+  start.motion = motion;
   if (!refiner.refine(luma, start, OutlineRefiner::Start::kRough, 0, pixels).has_converged())
     return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
-  return candidate_of(refiner, workspace_->camera, workspace_->landmark, true);
+  PoseCandidate candidate = candidate_of(refiner, workspace_->camera, workspace_->landmark);
+  candidate.shape = refiner.shape();
+  return candidate;
 }
 
 }  // namespace ninedot

@@ -30,22 +30,23 @@ class FullSolver {
   /// \param luma  the picture that `seen` was found in
   /// \param prior  null: there was no pose in the frame before
   /// \param pixels  how many it may fit (WorkBudget); fewer afterwards. Used up, there is no answer.
+  /// \param motion  of the sheet while the rows are exposed: the pose is that of its middle row
   /// \error kPoseDegenerate: what is visible does not determine a pose. kNoLandmark: the outlines are no landmark's.
   Result<PoseCandidates> solve(const ImageView& luma, const LandmarkObservation& seen, const PosePrior* prior,
-                               int& pixels) noexcept;
+                               int& pixels, const SheetMotion& motion = {}) noexcept;
 
   /// The pose without a detector: from the outlines where they are expected. It takes about half the time, and the
   /// answer is that of `solve`. \param expected  the sheet before the camera in this picture, outlines within about
-  /// half a pixel \param look_at_mirror  false: the one candidate is alone, and nothing is said of its mirror image
+  /// half a pixel
   /// \error kNoLandmark: it is not quite there, its light is not smooth, or its mirror image would have to be refined:
   /// detect it
   Result<PoseCandidates> follow(const ImageView& luma, const CameraFromLandmark& expected, const PosePrior& prior,
-                                bool look_at_mirror, int& pixels) noexcept;
+                                int& pixels, const SheetMotion& motion = {}) noexcept;
 
   /// The pose of another solver, once its outlines have been moved to where they fit the picture best.
   /// \error kPoseDegenerate: they lead to no pose
-  Result<PoseCandidate> examine(const ImageView& luma, const CameraFromLandmark& T_camera_landmark,
-                                int& pixels) noexcept;
+  Result<PoseCandidate> examine(const ImageView& luma, const CameraFromLandmark& T_camera_landmark, int& pixels,
+                                const SheetMotion& motion = {}) noexcept;
 
  private:
   struct Workspace;

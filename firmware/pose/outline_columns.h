@@ -29,35 +29,40 @@ using OutlineColumns = std::array<Lanes, kColumns>;
 inline constexpr std::size_t kMaxBatches = 8;
 using ColumnBatches = std::array<OutlineColumns, kMaxBatches>;
 
+/// What is asked of a group: nothing but residuals, contrast and paper; or also what moves its outline: the unknowns of
+/// the state, or in place of those of the pose and the offset the shape of its dot (outline_shape.h).
+enum class Asked : std::uint8_t { kLightOnly, kState, kShape };
+
 /// What all pixels of a dot share, at one state.
 struct DotView {
   DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const OutlineState& state, std::size_t dot);
 
-  Eigen::Matrix3f F;             ///< sheet [m] from ray
-  Eigen::Vector3f rX, rZ, n, t;  ///< the sheet's axes and its normal [1], and its origin [m], frame camera
-  Eigen::Matrix2f N;             ///< ray (z = 1) per pixel [1/px]
-  Eigen::Vector2f C;             ///< the dot's middle on the sheet [m]
+  Eigen::Vector3f rX, rZ;            ///< the sheet's axes [1], frame camera
+  Eigen::Vector3f inverse_depth;     ///< its product with a ray (z = 1) is 1 / depth of the sheet there [1/m]
+  float per_height;                  ///< 1 / distance of the sheet's plane, signed [1/m]
+  Eigen::Vector2f origin;            ///< the sheet's origin along its axes [m], seen from the camera
+  Eigen::Vector2f middle;            ///< the dot's middle, likewise [m]
+  Eigen::Vector2f px_X, px_Z, px_n;  ///< change of a ray per pixel along the sheet's axes, and along its normal [1/px]
   Eigen::Vector2f outward;  ///< unit vector from the landmark's middle through the dot's; the centre dot has none (0)
   float radius_m, paper_radius_m;
-  float det_F;  ///< determinant of F [1/m]
-  float det_N;  ///< determinant of N [1/px^2]
+  float bend;  ///< what the outline's curvature times (slope / depth)^3 is, over depth^3 [1/m^3 px^2]
   float blur_px2, blur_cos_px2, blur_sin_px2, offset_px;
 };
 
-/// Evaluates the pixels [begin, begin + used) of a group, kLanes to a batch; lanes beyond `used` are zero. Grey levels
-/// are less the group's first one: sums of squares stay small.
-/// \param begin  index in the group of the first pixel [1] \param used  1..kLanes * kMaxBatches
-/// Memory: none. Threads: pure.
-void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, std::int32_t begin,
-                  std::size_t used, ColumnBatches& batches) noexcept;
+/// Some pixels of a group.
+struct PixelRange {
+  std::size_t first = 0;  ///< index of the first [1]
+  std::size_t count = 0;  ///< how many, 1..kLanes * kMaxBatches
+  std::size_t every = 1;  ///< 1: one after the other, 2: every second one, ... [1]
+};
 
-/// Puts the shape of the dot in place of the pose and the offset: how the grey levels change when its outline moves out
-/// by h(angle) [px] where h is each of 1, cos, sin of the angle on the sheet, of twice and of four times the angle
-/// [1/px].
-/// \param begin  index in the group of the first pixel [1] \param used  1..kLanes * kMaxBatches
-/// \param batches  as fill_columns left them, of the same pixels
-/// Memory: none. Threads: pure.
-void turn_to_shape(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, std::int32_t begin,
-                   std::size_t used, ColumnBatches& batches) noexcept;
+/// Evaluates some pixels of a group, kLanes to a batch; lanes beyond the last are zero. Grey levels are less the
+/// group's first one: sums of squares stay small. The pose's unknowns are along the axes of the sheet: X, normal, Z
+/// (they are the columns of `T_camera_landmark.rotation`), where they are cheapest. \param asked  kLightOnly: the
+/// columns before kGreyColumn are not touched. kShape: those of pose and offset say how the grey levels change when the
+/// outline moves out by h(angle) [px], where h is each of 1, cos, sin of the angle on the sheet, of twice and of four
+/// times the angle [1/px]. Memory: none. Threads: pure.
+void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, PixelRange range,
+                  Asked asked, ColumnBatches& batches) noexcept;
 
 }  // namespace ninedot

@@ -14,10 +14,8 @@ Result<OutlineDistance> outline_distance(const CameraModel& camera, const Landma
                                          const Eigen::Vector2d& pixel_px, const SheetMotion& motion) noexcept {
   NINEDOT_TRY(const Eigen::Vector2d point, camera.normalised_from_pixel(pixel_px));
   // The pose while this row was exposed.
-  const double rows = pixel_px.y() - motion.middle_row_px, since_s = rows * motion.row_time_s;
-  CameraFromLandmark T = T_camera_landmark;
-  T.rotation = exp_so3(since_s * motion.rotation_rad_s) * T.rotation;
-  T.translation_m += since_s * motion.translation_m_s;
+  const double rows = pixel_px.y() - motion.middle_row_px;
+  const CameraFromLandmark T = motion.after(T_camera_landmark, motion.since_s(pixel_px.y()));
 
   const Eigen::Vector3d rX = T.rotation.col(0), rZ = T.rotation.col(2), n = T.rotation.col(1), m = point.homogeneous();
   Eigen::Matrix3d G;

@@ -8,17 +8,10 @@
 #include "base/result.h"
 #include "geometry/camera_gradients.h"
 #include "geometry/landmark.h"
+#include "geometry/sheet_motion.h"
 #include "pose/outline_state.h"
 
 namespace ninedot {
-
-/// How the sheet moves before the camera while the rows are exposed one after the other.
-struct SheetMotion {
-  Eigen::Vector3d rotation_rad_s{0, 0, 0};   ///< about the landmark's origin, camera frame
-  Eigen::Vector3d translation_m_s{0, 0, 0};  ///< camera frame
-  double row_time_s = 0;                     ///< from one row to the next below
-  double middle_row_px = 0;                  ///< the row that the pose is of
-};
 
 struct OutlineDistance {
   double distance_px = 0;  ///< signed, outside positive, to first order

@@ -48,6 +48,29 @@ bool project_dot(const CameraModel& camera, const LandmarkGeometry& landmark, co
   return true;
 }
 
+/// By how much a dot's rays move from one row to the next, because the sheet moves meanwhile.
+struct RowShift {
+  float ray_x = 0, ray_y = 0, middle_row = 0;
+};
+
+/// A dot appears where the sheet is while its own rows are exposed, and sheared. \param ellipse, normalised_per_px  of
+/// the pose; afterwards as it appears, and what a pixel then means as a ray of the pose's instant
+RowShift shift_rows(const CameraFromLandmark& T, const Eigen::Vector2d& centre_m, const SheetMotion& motion,
+                    DotEllipse& ellipse, Eigen::Matrix2d& normalised_per_px) noexcept {
+  const Eigen::Vector3d p = T * Eigen::Vector3d(centre_m.x(), 0, centre_m.y());
+  const Eigen::Vector2d ray_per_row = motion.row_time_s * motion.ray_velocity(p, T.translation_m);
+  const Eigen::Vector2d px_per_row = normalised_per_px.inverse() * ray_per_row;
+  // y' = y + (y' - middle) dy/row
+  const double rows = (ellipse.centre_px.y() - motion.middle_row_px) / (1 - px_per_row.y());
+  ellipse.centre_px += rows * px_per_row;
+  Eigen::Matrix2d straight = Eigen::Matrix2d::Identity();
+  straight.col(1) -= px_per_row;
+  ellipse.circle_from_px = ellipse.circle_from_px * straight;
+  normalised_per_px.col(1) -= ray_per_row;
+  return {static_cast<float>(ray_per_row.x()), static_cast<float>(ray_per_row.y()),
+          static_cast<float>(motion.middle_row_px)};
+}
+
 /// Where a row crosses the ellipse |M (x - c)| = factor; false where it does not.
 bool row_span(const DotEllipse& e, double y_px, double factor, double& x0, double& x1) noexcept {
   const Eigen::Vector2d a = e.circle_from_px.col(0);
@@ -76,8 +99,9 @@ OutlinePixels::OutlinePixels(std::size_t capacity)
 namespace {
 
 /// Appends one dot's pixels, sorted into its sectors. \return false when they do not fit
-bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e, std::uint8_t dot, double band_px,
-                int thin, bool split, bool at_paper_edge, OutlinePixels& out) noexcept {
+bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e, const RowShift& shift,
+                std::uint8_t dot, double band_px, int thin, bool split, bool at_paper_edge,
+                OutlinePixels& out) noexcept {
   const bool small = e.semi_minor_px < kWholeDotBelow_px;
   const bool whole = small && !(split && e.semi_minor_px > kSplitAbove_px);
   const double length_px = std::numbers::pi * (e.semi_major_px + e.semi_minor_px);
@@ -129,7 +153,8 @@ bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e
     if (!rays.ray(c.x, c.y, ray_x, ray_y)) continue;
     const auto i = static_cast<std::size_t>(next[c.sector]++);
     out.x_px[i] = static_cast<float>(c.x), out.y_px[i] = static_cast<float>(c.y);
-    out.ray_x[i] = ray_x, out.ray_y[i] = ray_y;
+    const float rows = static_cast<float>(c.y) - shift.middle_row;
+    out.ray_x[i] = ray_x - rows * shift.ray_x, out.ray_y[i] = ray_y - rows * shift.ray_y;
     out.luma[i] = luma.at(c.x, c.y);
   }
   for (std::size_t s = 0; s < sectors; ++s) {
@@ -156,16 +181,20 @@ bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e
 void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, const RayTable& rays,
                             const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark,
                             double band_px, int thinning, const std::array<bool, kDotCount>& split,
-                            OutlinePixels& out) noexcept {
+                            const SheetMotion& motion, OutlinePixels& out) noexcept {
   out.count = 0;
   out.groups.clear();
   out.visible_outlines = 0;
   std::array<DotEllipse, kDotCount> ellipses;
   std::array<bool, kDotCount> in_front{};
+  std::array<RowShift, kDotCount> shifts;
   double expected = 0;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     in_front[dot] = project_dot(camera, landmark, T_camera_landmark, dot, ellipses[dot], out.normalised_per_px[dot]);
     if (!in_front[dot]) continue;
+    if (motion.row_time_s != 0)
+      shifts[dot] =
+          shift_rows(T_camera_landmark, landmark.centre_m(dot), motion, ellipses[dot], out.normalised_per_px[dot]);
     const DotEllipse& e = ellipses[dot];
     expected += e.semi_minor_px < kWholeDotBelow_px
                     ? std::numbers::pi * (e.semi_major_px + band_px) * (e.semi_minor_px + band_px)
@@ -177,8 +206,8 @@ void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, co
     const std::size_t before = out.groups.size();
     const double white_px = ellipses[dot].semi_minor_px * LandmarkGeometry::kWhite_radii;
     const bool at_paper_edge = dot != kCentreDot && white_px < band_px + kBlurReach_px;
-    if (!append_dot(luma, rays, ellipses[dot], static_cast<std::uint8_t>(dot), band_px, thin, split[dot], at_paper_edge,
-                    out))
+    if (!append_dot(luma, rays, ellipses[dot], shifts[dot], static_cast<std::uint8_t>(dot), band_px, thin, split[dot],
+                    at_paper_edge, out))
       return;
     out.visible_outlines += out.groups.size() > before;
   }

@@ -7,6 +7,7 @@
 #include "base/inline_vector.h"
 #include "geometry/camera_model.h"
 #include "geometry/landmark.h"
+#include "geometry/sheet_motion.h"
 #include "geometry/transform.h"
 #include "image/image_view.h"
 #include "pose/ray_table.h"
@@ -33,7 +34,7 @@ struct OutlinePixels {
   std::vector<float> x_px, y_px, ray_x, ray_y, luma;  ///< position, normalised ray (distortion removed), grey level
   std::size_t count = 0;
   InlineVector<OutlineGroup, kMaxGroups> groups;
-  /// d(normalised)/d(pixel) at each dot's centre.
+  /// d(ray)/d(pixel) at each dot's centre.
   std::array<Eigen::Matrix2d, kDotCount> normalised_per_px;
   /// A dot's pixels before they are sorted into its groups.
   struct Candidate {
@@ -47,10 +48,12 @@ struct OutlinePixels {
 /// Collects the pixels within `band_px` of every dot's outline as the pose predicts it.
 /// \param thinning  1 = every pixel, 2 = every second one, ...
 /// \param split  dots to cut into sectors even when they are small, because a shadow's edge crosses them
+/// \param motion  of the sheet while the rows are exposed: rays are those that the pixels would have, had the sheet
+/// stood where the pose says
 /// Above the capacity of `out`, large dots are thinned to every second or third pixel instead of being cut off.
 void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, const RayTable& rays,
                             const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark,
                             double band_px, int thinning, const std::array<bool, kDotCount>& split,
-                            OutlinePixels& out) noexcept;
+                            const SheetMotion& motion, OutlinePixels& out) noexcept;
 
 }  // namespace ninedot

@@ -1,6 +1,7 @@
 #include "pose/outline_refiner.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -34,7 +35,10 @@ constexpr int kMostThinned = 3;  // every third: half the precision at most
 // What is left of the pixels by thinning: below, groups would have hardly more pixels than unknowns of their own, and
 // fit whatever is there.
 constexpr int kLeastThinned = 2500;
-constexpr int kRoughThinning = 3;      // of the pixels, while the pose is off by tenths of a pixel
+constexpr int kRoughThinning = 3;  // of the pixels, while the pose is off by tenths of a pixel
+// A stage that is not the last may look at every second pixel, where so many are left that what it is off by for that
+// is less than what it is off by for its start.
+constexpr int kEarlyThinning = 2, kLeastEarly = 600;
 constexpr double kRoughBand_px = 3.5;  // a rough start is good to two pixels, and half of the blur's reach on top
 // Pixels up to this many sigmas of the blur from an outline: beyond, their grey levels hardly depend on its place.
 // Measured over the accuracy page's conditions (`accuracy --out`): 36 of 45 rows came nearer to the bound than
@@ -42,14 +46,16 @@ constexpr double kRoughBand_px = 3.5;  // a rough start is good to two pixels, a
 constexpr double kBandPerSigma = 3.1, kBandSlack_px = 0.3, kLeastBand_px = 1.8, kMostBand_px = 8;
 constexpr double kMovedAway_px = 0.25;  // a step, or a change of the band, after which other pixels belong to it
 // Newton's error after a step is about its square over the blur: below these a step leaves less than a tenth of a
-// standard deviation, and no more than 0.003 px.
-constexpr double kLastStep_chi2 = 3, kLastStep_px = 0.05;
+// standard deviation, and no more than 0.003 px. With 0.03 px as standard deviation the former is a chi^2 of 3; with
+// more, the pixels are few and a stage is cheap.
+constexpr double kLastStep_chi2 = 3, kLastStep_px = 0.05, kLeftSigmas = 0.1;
 // What an expectation is off by, as its first step tells: at most (the blur: further away the step's direction is a
 // guess), and where its groups may be weighed as if it were right (the floor of the last stages, twice). A second step
 // that is still as long says that the first one led nowhere.
 constexpr double kExpectedReach_px = 1, kExpectedClose_px = 0.25, kExpectedSecond_px = 0.7;
 // The weights were of the place before a step: where the step before it was longer than this, they are out of date.
 constexpr double kCalm_px = 0.03;
+constexpr double kUnseenShare = 1e-3;  // of a dot's information: directions that its outline says less of
 constexpr double kHeldSigma = 1e-3, kFreeSigma = 1e3;  // of offset [px] and blur [px^2] in one step
 constexpr double kOffsetSigma_px = 0.35;               // prior: an sRGB curve moves edges by 0.3 px (METHOD, section 3)
 constexpr double kHarmonicSigma_px2 = 0.6;             // prior of the blur's direction: of the mean blur's size
@@ -98,7 +104,7 @@ bool OutlineRefiner::look_again_if_stale(int stage) noexcept {
   look_ = {band_px, 0, stage == kRoughStage, false};
   const auto collect = [&](int thinning) {
     collect_outline_pixels(luma_, camera_, rays_, landmark_, state_.T_camera_landmark, band_px, thinning, split_,
-                           pixels_);
+                           state_.motion, pixels_);
   };
   collect(look_.thinned ? kRoughThinning : 1);
   // Rather every second pixel to the end than all of them half the way.
@@ -110,10 +116,14 @@ bool OutlineRefiner::look_again_if_stale(int stage) noexcept {
 
 bool OutlineRefiner::linearise(int stage) noexcept {
   if (pixels_left_ <= 0 || !look_again_if_stale(stage)) return false;
-  pixels_left_ -= static_cast<int>(pixels_.count);
+  const bool is_early = stage == kCloseStage && quality_ != Start::kExpected &&
+                        pixels_.count >= std::size_t{kEarlyThinning} * kLeastEarly;
+  const std::size_t every = is_early ? kEarlyThinning : 1;
+  pixels_left_ -= static_cast<int>(pixels_.count / every);
+  linearised_at_ = state_;
   const auto groups = pixels_.groups.span();
   for (std::size_t g = 0; g < groups.size(); ++g)
-    fit_group(pixels_, groups[g], landmark_, state_, Asked::kState, fits_[g]);
+    fit_group(pixels_, groups[g], landmark_, state_, Asked::kState, fits_[g], every);
   weigh_groups(groups, fits_, std::max(stage_of(stage).shift_floor_px, warp_px_), weights_);
   // An outline that is not where it is looked for fits as badly as one that a shadow's edge crosses.
   look_.split_since = stage_of(stage).may_split && !is_first_of_expectation(stage) &&
@@ -136,7 +146,13 @@ StepVerdict OutlineRefiner::solve(int stage, Step& step) noexcept {
 }
 
 StepVerdict OutlineRefiner::take(int stage, const Step& step) noexcept {
+  const OutlineState before = state_;
   state_.apply(step);
+  last_step_ = step;
+  Step moved = step;  // the blur may have met its limits
+  moved.tail<3>() << state_.blur_px2 - before.blur_px2, state_.blur_cos_px2 - before.blur_cos_px2,
+      state_.blur_sin_px2 - before.blur_sin_px2;
+  gain_ = moved.dot(2 * gradient_of_pixels_ - of_pixels_ * moved);
   if (!(state_.T_camera_landmark.translation_m.z() > 0)) return StepVerdict::kUndetermined;
   const double by_px = step_px(step);
   const bool first_of_expectation = is_first_of_expectation(stage), expected = quality_ == Start::kExpected;
@@ -145,8 +161,10 @@ StepVerdict OutlineRefiner::take(int stage, const Step& step) noexcept {
   const bool is_fine = first_of_expectation ? expectation_is_close_ : stage_of(stage).may_settle;
   look_.moved_px += by_px;
   last_step_px_ = by_px;
-  const bool settled =
-      is_fine && is_calm && !look_.split_since && step_chi2(step) < kLastStep_chi2 && by_px < kLastStep_px;
+  const double sigma_px = 1 / std::sqrt(information_(6, 6));
+  const bool leaves_little =
+      step_chi2(step) < kLastStep_chi2 || by_px * by_px < kLeftSigmas * sigma_px * std::sqrt(before.blur_px2);
+  const bool settled = is_fine && is_calm && !look_.split_since && leaves_little && by_px < kLastStep_px;
   return settled ? StepVerdict::kSettled : StepVerdict::kGoOn;
 }
 
@@ -171,6 +189,15 @@ bool OutlineRefiner::solve_equations(double nuisance_sigma, Step& step) noexcept
   }
   information_ /= weights_.noise_variance_lsb2;
   b /= weights_.noise_variance_lsb2;
+  // From the sheet's axes to the camera's.
+  const Eigen::Matrix3d& R = state_.T_camera_landmark.rotation;
+  for (const Eigen::Index at : {0, 3}) {
+    information_.middleRows<3>(at) = (R * information_.middleRows<3>(at)).eval();
+    b.segment<3>(at) = (R * b.segment<3>(at)).eval();
+  }
+  for (const Eigen::Index at : {0, 3})
+    information_.middleCols<3>(at) = (information_.middleCols<3>(at) * R.transpose()).eval();
+  of_pixels_ = information_, gradient_of_pixels_ = b;
   const auto prior = [&](int unknown, double value, double mean, double sigma) {
     information_(unknown, unknown) += 1 / (sigma * sigma);
     b(unknown) += (mean - value) / (sigma * sigma);
@@ -191,14 +218,16 @@ bool OutlineRefiner::is_light_smooth() const noexcept {
 }
 
 double OutlineRefiner::chi2_above(const OutlineState& other) const noexcept {
-  double difference = 0;
+  // After a short step the equations know what it has gained: all but its third order.
+  const bool is_known = statistics_.stopped == Stopped::kSettled;
+  double difference = is_known ? gain_ : 0;
   GroupFit theirs, ours;
   for (std::size_t i = 0; i < pixels_.groups.size(); ++i) {
     if (weights_.weight[i] <= 0) continue;
     fit_group(pixels_, pixels_.groups[i], landmark_, other, Asked::kLightOnly, theirs);
-    fit_group(pixels_, pixels_.groups[i], landmark_, state_, Asked::kLightOnly, ours);
-    difference +=
-        weights_.weight[i] * (theirs.squared_residuals - ours.squared_residuals) / weights_.noise_variance_lsb2;
+    if (!is_known) fit_group(pixels_, pixels_.groups[i], landmark_, state_, Asked::kLightOnly, ours);
+    const double our_squares = is_known ? fits_[i].squared_residuals : ours.squared_residuals;
+    difference += weights_.weight[i] * (theirs.squared_residuals - our_squares) / weights_.noise_variance_lsb2;
   }
   return difference;
 }
@@ -216,6 +245,38 @@ std::array<double, kDotCount> OutlineRefiner::visible_share() const noexcept {
   return share;
 }
 
+/// Moving the sheet by (x, y) moves each dot's ray by that over its depth, so that what a dot says of the translation,
+/// it says of its own place. The offset and the blur have moved as the step says.
+DotSightings OutlineRefiner::dots() const noexcept {
+  std::array<Eigen::Matrix2d, kDotCount> normal;
+  std::array<Eigen::Vector2d, kDotCount> gradient;
+  normal.fill(Eigen::Matrix2d::Zero());
+  gradient.fill(Eigen::Vector2d::Zero());
+  const Eigen::Matrix<double, 2, 3> R =
+      linearised_at_.T_camera_landmark.rotation.topRows<2>();  // from the sheet's axes
+  for (std::size_t i = 0; i < pixels_.groups.size(); ++i) {
+    if (weights_.weight[i] <= 0) continue;
+    const std::size_t dot = pixels_.groups[i].dot;
+    const double weight = weights_.weight[i] / weights_.noise_variance_lsb2;
+    const GroupFit& fit = fits_[i];
+    normal[dot] += weight * R * fit.normal.block<3, 3>(3, 3) * R.transpose();
+    gradient[dot] += weight * R *
+                     (fit.gradient.segment<3>(3) - fit.normal.block<3, kUnknowns - kPoseUnknowns>(3, kPoseUnknowns) *
+                                                       last_step_.tail<kUnknowns - kPoseUnknowns>());
+  }
+  DotSightings dots;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    if (!(normal[dot].trace() > 0)) continue;
+    const Eigen::Vector2d C = landmark_.centre_m(dot);
+    const Eigen::Vector3d p = linearised_at_.T_camera_landmark * Eigen::Vector3d(C.x(), 0, C.y());
+    // Of an outline in sight on one side alone one direction is not known: it stays where it was.
+    const Eigen::Matrix2d solvable = normal[dot] + kUnseenShare * normal[dot].trace() * Eigen::Matrix2d::Identity();
+    dots[dot].ray = p.hnormalized() + solvable.inverse() * gradient[dot] / p.z();
+    dots[dot].information = p.z() * p.z() * normal[dot];
+  }
+  return dots;
+}
+
 double OutlineRefiner::dot_radius_px() const noexcept {
   return camera_.fx_px * landmark_.dot_radius_m / state_.T_camera_landmark.translation_m.norm();
 }
@@ -224,7 +285,8 @@ OutlineShape OutlineRefiner::shape() const noexcept {
   const auto visible = visible_share();
   OutlineShape shape =
       shape_of_outlines(pixels_, landmark_, state_, visible, weights_.noise_variance_lsb2, dot_radius_px());
-  shape.absent = count_absent(luma_, camera_, landmark_, state_.T_camera_landmark, visible, weights_.fit);
+  shape.absent = count_absent(luma_, camera_, landmark_, as_exposed(state_.T_camera_landmark, state_.motion, camera_),
+                              visible, weights_.fit);
   return shape;
 }
 

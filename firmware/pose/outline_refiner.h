@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "geometry/dot_sighting.h"
 #include "geometry/gauss_newton.h"
 #include "image/image_view.h"
 #include "pose/outline_pixels.h"
@@ -37,6 +38,10 @@ class OutlineRefiner {
 
   /// Of a dot's groups, the share whose outline is where it belongs, though its light may be spoiled. 0..1
   std::array<double, kDotCount> visible_share() const noexcept;
+
+  /// What each dot's outline alone says of where its middle is; all that the grey levels say of the pose, but for what
+  /// the dots' sizes and shapes add (world/sighting.h says what for).
+  DotSightings dots() const noexcept;
 
   /// Whether these are discs. Costs as much as a stage.
   OutlineShape shape() const noexcept;
@@ -95,9 +100,14 @@ class OutlineRefiner {
   GroupFits fits_;
   OutlineWeights weights_;
   std::array<bool, kDotCount> split_{};  // dots whose light is not smooth: cut into sectors although they are small
-  OutlineState state_;
+  OutlineState state_, linearised_at_;
+  UnknownVector last_step_ = UnknownVector::Zero();  // from there
   OptimiserStatistics statistics_;
   UnknownMatrix information_ = UnknownMatrix::Zero();
+  // The last step's equations without the priors, and by how much chi^2 falls with it.
+  UnknownMatrix of_pixels_ = UnknownMatrix::Zero();
+  UnknownVector gradient_of_pixels_ = UnknownVector::Zero();
+  double gain_ = 0;
 };
 
 }  // namespace ninedot

@@ -20,6 +20,10 @@ constexpr double kSizeSigmas = 1.5;  // likewise, of one part and the median's
 // An outline that noise leaves less sure than this share of the radius has no shape to speak of.
 constexpr double kLeastSure = 0.1;
 constexpr int kLeastDots = 3;
+// So many pixels of a dot say enough of its shape, thinned to every fourth at most: they leave its parts sure to 0.035
+// px where noise is a twentieth of the contrast, a tenth of what kMostFourth (pose_of_outlines.cpp) is of a dot of 8
+// px.
+constexpr int kEnoughPixels = 60, kMostThinned = 4;
 // A dot that is printed elsewhere leaves paper in its place and ink beside it. Places off the outlines' blur, in radii
 // of a ring's dot from where it belongs; what hides a dot has the grey of paper in some of them by chance.
 constexpr int kDirections = 16, kLeastBare = 4, kLeastInked = 2;
@@ -60,10 +64,13 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
   std::array<UnknownVector, kDotCount> gradient;
   normal.fill(UnknownMatrix::Zero());
   gradient.fill(UnknownVector::Zero());
+  std::array<int, kDotCount> pixels_of_dot{};
+  for (const OutlineGroup& group : pixels.groups.span()) pixels_of_dot[group.dot] += group.count;
   GroupFit fit;
   for (const OutlineGroup& group : pixels.groups.span()) {
     if (visible_share[group.dot] < kMinVisible) continue;
-    fit_group(pixels, group, landmark, state, Asked::kShape, fit);
+    const int every = std::clamp(pixels_of_dot[group.dot] / kEnoughPixels, 1, kMostThinned);
+    fit_group(pixels, group, landmark, state, Asked::kShape, fit, static_cast<std::size_t>(every));
     if (!fit.usable) continue;
     normal[group.dot] += fit.normal / noise_variance_lsb2;
     gradient[group.dot] += fit.gradient / noise_variance_lsb2;

@@ -2,6 +2,7 @@
 /// What is unknown about the picture of one landmark's outlines.
 #include <Eigen/Core>
 
+#include "geometry/sheet_motion.h"
 #include "geometry/transform.h"
 
 namespace ninedot {
@@ -21,6 +22,8 @@ struct OutlineState {
   double blur_px2 = 0.7;  ///< variance of the point spread, mean over directions
   /// Its second harmonic [px^2]: half of the variance along x minus along y; and the same of the diagonals.
   double blur_cos_px2 = 0, blur_sin_px2 = 0;
+
+  SheetMotion motion{};  ///< of the sheet while the rows are exposed; taken as known
 
   /// Moves the state by a step; keeps the blur possible. \param step  [m] (pose), [px] (offset), [px^2] (blur)
   void apply(const UnknownVector& step) noexcept;

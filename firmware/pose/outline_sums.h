@@ -16,20 +16,18 @@ struct GroupFit {
   double shift_information = 0;  ///< inverse variance of shift_px, times the noise's variance [LSB^2 / px^2]
   double contrast_lsb = 0, paper_lsb = 0;
   int degrees_of_freedom = 0;
-  /// J^T J with the group's own unknowns eliminated, per square of the unknowns' units: [LSB^2/m^2] of the pose,
-  /// [LSB^2/px^2] of the offset, [LSB^2/px^4] of the blur, mixed ones between them.
+  /// J^T J with the group's own unknowns eliminated, per square of the unknowns' units: [LSB^2/m^2] of the pose along
+  /// the sheet's axes (outline_columns.h), [LSB^2/px^2] of the offset, [LSB^2/px^4] of the blur, mixed ones between
+  /// them.
   UnknownMatrix normal;
   /// J^T r, likewise, per unknown's unit: [LSB^2/m], [LSB^2/px], [LSB^2/px^2].
   UnknownVector gradient;
 };
 
-/// What is asked of a group: nothing but residuals, contrast and paper; or also what moves its outline (`normal` and
-/// `gradient`): the unknowns of the state, or in place of those of the pose the shape of its dot (outline_shape.h).
-enum class Asked : std::uint8_t { kLightOnly, kState, kShape };
-
 /// Evaluates one group at a state.
+/// \param every  1: all of its pixels, 2: every second one, ...
 /// Memory: none. Threads: pure.
 void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const LandmarkGeometry& landmark,
-               const OutlineState& state, Asked asked, GroupFit& fit) noexcept;
+               const OutlineState& state, Asked asked, GroupFit& fit, std::size_t every = 1) noexcept;
 
 }  // namespace ninedot

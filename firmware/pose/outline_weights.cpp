@@ -76,7 +76,7 @@ double model_variance_px2(std::span<const OutlineGroup> groups, const GroupFits&
     Displaced d{fit.shift_px * fit.shift_px * fit.shift_information / typical.noise_variance_lsb2,
                 fit.shift_information / typical.noise_variance_lsb2, 1};
     if (groups[i].whole_dot) {
-      constexpr std::array<Eigen::Index, 3> kMoves{3, 4, 6};  // translation along the picture's axes, growth
+      constexpr std::array<Eigen::Index, 3> kMoves{3, 5, 6};  // translation along the sheet's axes, growth
       const Eigen::Matrix3d N = fit.normal(kMoves, kMoves);
       const Eigen::Vector3d g = fit.gradient(kMoves);
       d = {g.dot(N.ldlt().solve(g)) / typical.noise_variance_lsb2, d.information, 3};

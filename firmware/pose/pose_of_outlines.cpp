@@ -53,14 +53,14 @@ constexpr double kWholeDot = 0.9;            // visible share: the dot counts as
 constexpr double kCentreOfWholeRing = 0.75;  // of P9's outline, where nothing hides a dot around it
 
 /// Discs of the landmark's sizes, and none printed elsewhere.
-bool are_discs(const PoseCandidate& candidate) noexcept {
+bool are_discs(const PoseCandidate& candidate, double size_allowance) noexcept {
   const OutlineShape& shape = candidate.shape;
   const double smeared = std::max(candidate.outlines.blur_px2 - kSharp_px2, 0.0) / std::pow(candidate.dot_radius_px, 2);
   const auto& visible = candidate.visible_share;
   const bool ring_is_whole =
       std::all_of(visible.begin(), visible.begin() + kRingDotCount, [](double share) { return share >= kWholeDot; });
-  return shape.size <= kMostSize && shape.second <= kMostSecond + kPerBlur * smeared && shape.fourth <= kMostFourth &&
-         shape.absent == 0 && !(ring_is_whole && shape.centre > kMostAside);
+  return shape.size <= kMostSize + size_allowance && shape.second <= kMostSecond + kPerBlur * smeared &&
+         shape.fourth <= kMostFourth && shape.absent == 0 && !(ring_is_whole && shape.centre > kMostAside);
 }
 
 /// What hides a landmark comes from outside: it hides P9 after dots of the ring, and neighbours together.
@@ -104,16 +104,16 @@ int occlusion_level(const std::array<double, kDotCount>& visible) noexcept {
 
 }  // namespace
 
-PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& camera, const LandmarkGeometry& landmark,
-                           bool look_at_shape) noexcept {
+PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& camera,
+                           const LandmarkGeometry& landmark) noexcept {
   PoseCandidate candidate;
   candidate.outlines = refiner.state();
   candidate.statistics = refiner.statistics();
   candidate.fit = refiner.fit();
   candidate.dot_radius_px = refiner.dot_radius_px();
   candidate.visible_share = refiner.visible_share();
+  candidate.dots = refiner.dots();
   candidate.light_smooth = refiner.is_light_smooth();
-  if (look_at_shape) candidate.shape = refiner.shape();
   PoseEstimate& pose = candidate.pose;
   pose.T_landmark_camera = refiner.state().T_camera_landmark.inverse();
   pose.rms_px = refiner.rms_px();
@@ -125,13 +125,13 @@ PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& cam
   return candidate;
 }
 
-bool fits_picture(const PoseCandidate& candidate, const PictureNoise& noise) noexcept {
+bool fits_picture(const PoseCandidate& candidate, const PictureNoise& noise, const FitAllowance& allowance) noexcept {
   const OutlineFit& fit = candidate.fit;
   const double of_paper = noise.at(fit.paper_lsb), of_ink = noise.at(fit.paper_lsb - fit.contrast_lsb);
   const double noise_lsb2 = 0.5 * (of_paper * of_paper + of_ink * of_ink) + kRounding_lsb2;
   const auto dots = static_cast<std::size_t>(std::clamp<int>(candidate.pose.dots_used, 0, kDotCount));
   const double light_lsb = kFitContrast[dots] * fit.contrast_lsb;
-  double misfit_px = kPrintMisfit[dots] * candidate.dot_radius_px + kPrintMisfit_px;
+  double misfit_px = kPrintMisfit[dots] * candidate.dot_radius_px + kPrintMisfit_px + allowance.misfit_px;
   if (candidate.pose.dots_used <= kFewDots)
     misfit_px += kFewDotsMisfit * candidate.dot_radius_px + kNoiseMisfit_px * fit.residual_lsb / fit.contrast_lsb;
   if (!(candidate.pose.rms_px <= misfit_px)) return false;
@@ -140,7 +140,7 @@ bool fits_picture(const PoseCandidate& candidate, const PictureNoise& noise) noe
   const double most_px = (offset_px < 0 ? kMostInwards : kMostOffset) * blur_px + kMostOffset_px;
   if (!(std::abs(offset_px) <= most_px)) return false;
   if (!is_plausibly_hidden(candidate.visible_share)) return false;
-  if (!are_discs(candidate)) return false;
+  if (!are_discs(candidate, allowance.size)) return false;
   return fit.residual_lsb <= kMostResidual * fit.contrast_lsb &&
          fit.residual_lsb * fit.residual_lsb <= kFitNoise * kFitNoise * noise_lsb2 + light_lsb * light_lsb;
 }

@@ -98,6 +98,10 @@ struct Report {
   double swing_psi_rad = 0, tilt_phi_rad = 0, pan_theta_rad = 0;
   double distance_m = 0, image_distance_m = 0, deviation_rad = 0;
 
+  std::uint16_t landmarks_seen = 0;         ///< of the map, in the newest frame
+  std::uint16_t landmarks_rejected = 0;     ///< of these: they do not hang where the map says
+  std::uint16_t last_rejected_id = 0xFFFF;  ///< in whichever frame; 0xFFFF: none since the start
+
   ReportRival rival;
   ReportHead head;
 };

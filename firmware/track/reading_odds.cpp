@@ -3,7 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "geometry/renumbered.h"
 
 namespace ninedot {
 namespace {
@@ -18,24 +19,13 @@ bool is_within_covariance(const PoseEstimate& chosen, const PoseEstimate& other)
   return apart.dot(chosen.covariance.ldlt().solve(apart)) < kWithin_chi2;
 }
 
-/// The same camera before the same sheet, the dot `eighths` further on taken for P1.
-Transform<frame::Landmark, frame::Camera> renumbered(const Transform<frame::Landmark, frame::Camera>& T_landmark_camera,
-                                                     std::size_t eighths) noexcept {
-  CameraFromLandmark T = T_landmark_camera.inverse();
-  const double turn_rad = static_cast<double>(eighths) * std::numbers::pi / 4;
-  const Eigen::Vector3d X = T.rotation.col(0), Z = T.rotation.col(2);
-  T.rotation.col(0) = std::cos(turn_rad) * X + std::sin(turn_rad) * Z;
-  T.rotation.col(2) = std::cos(turn_rad) * Z - std::sin(turn_rad) * X;
-  return T.inverse();
-}
-
 }  // namespace
 
 ReadingOdds weigh_readings(const PoseCandidates& candidates, std::size_t chosen, const NumberingCosts& numbering_past,
-                           double mirror_weight_before, const LandmarkGeometry& landmark,
-                           const UprightPrior& upright) noexcept {
+                           const LandmarkGeometry& landmark, const UprightPrior* upright) noexcept {
   const auto numbering_of = [&](const PoseCandidate& candidate) {
-    NumberingCosts costs = upright_costs(candidate.pose.T_landmark_camera.inverse(), landmark, upright);
+    NumberingCosts costs{};
+    if (upright != nullptr) costs = upright_costs(candidate.pose.T_landmark_camera.inverse(), landmark, *upright);
     for (std::size_t k = 0; k < costs.size(); ++k) costs[k] = std::max(costs[k], numbering_past[k]);
     return costs;
   };
@@ -56,10 +46,10 @@ ReadingOdds weigh_readings(const PoseCandidates& candidates, std::size_t chosen,
       if (!is_own && k == 0) odds.mirror_weight = weight;
       if (weight <= likeliest) continue;
       likeliest = weight;
-      odds.rival = RivalReading{renumbered(candidate.pose.T_landmark_camera, k), weight};
+      odds.rival =
+          RivalReading{renumbered(candidate.pose.T_landmark_camera.inverse(), static_cast<int>(k)).inverse(), weight};
     }
   }
-  if (candidates.list.size() == 1) others += odds.mirror_weight = mirror_weight_before;
   odds.ambiguity = others / (1 + others);
   if (odds.rival) odds.rival->odds /= 1 + others;
   return odds;

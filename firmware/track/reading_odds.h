@@ -17,11 +17,10 @@ struct ReadingOdds {
 
 /// \param candidates  what the solver answered \param chosen  index of the one that is believed
 /// \param numbering_past  what a track's way has said against each numbering already; 0 for all: nothing [1]
-/// \param mirror_weight_before  of a planar solution that was not looked at in this picture: what it was worth before
+/// \param upright  how the camera is mounted; null: `numbering_past` alone tells the numberings apart
 /// \return  a planar solution within the chosen one's covariance (95 %) is none of its own and counts as no other
 /// Memory: none. Threads: pure.
 ReadingOdds weigh_readings(const PoseCandidates& candidates, std::size_t chosen, const NumberingCosts& numbering_past,
-                           double mirror_weight_before, const LandmarkGeometry& landmark,
-                           const UprightPrior& upright) noexcept;
+                           const LandmarkGeometry& landmark, const UprightPrior* upright) noexcept;
 
 }  // namespace ninedot

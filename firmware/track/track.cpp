@@ -17,8 +17,6 @@ namespace {
 constexpr double kLittleSurprise_px = 0.5;
 constexpr double kUsableSurprise_px = 12;  // the least margin around the window of a search (detect/detector.cpp)
 constexpr double kSettled = 1e-4;  // weight of the mirror image in a track that has told the two planar solutions apart
-constexpr double kOutOfTheQuestion = 1e-9;  // likewise: 6.4 sigma; a few frames do not bring that back
-constexpr int kMirrorEvery = 4;             // frames: the glance costs a fifth of a followed frame
 // Times the residual of the frame before, and a bit (what one frame's residual scatters by): something else is in
 // sight.
 constexpr double kWorseFit = 1.5, kBit_px = 0.03;
@@ -38,6 +36,9 @@ constexpr double kRefuted_chi2 = 6;
 // A turn in the sheet's own plane by more than half an eighth: what the track's way said of its numbers says nothing of
 // these.
 constexpr double kOtherNumbers_rad = std::numbers::pi / 8;
+
+/// Where colours tell which dot is P1: a chi^2 of which nothing is left, for all other numberings.
+constexpr NumberingCosts kNoOtherNumbering{0, 1000, 1000, 1000, 1000, 1000, 1000, 1000};
 
 /// Of `now` against `before`, about the sheet's normal.
 double turn_in_plane_rad(const CameraFromLandmark& before, const CameraFromLandmark& now) noexcept {
@@ -81,7 +82,8 @@ std::optional<LandmarkForecast> Track::remembered(MonoTime time) const noexcept 
 void Track::reset() noexcept { *this = Track(options_); }
 
 bool Track::is_numbering_refuted() const noexcept {
-  return has_past_ && numbering_worst_[0] - *std::ranges::min_element(numbering_worst_) > kRefuted_chi2;
+  return !numbering_is_known_ && has_past_ &&
+         numbering_worst_[0] - *std::ranges::min_element(numbering_worst_) > kRefuted_chi2;
 }
 
 void Track::note_numbering() noexcept {
@@ -93,10 +95,6 @@ void Track::note_numbering() noexcept {
 
 bool Track::may_follow_outlines() const noexcept {
   return has_pose_ && light_smooth_ && surprise_px_ < kLittleSurprise_px;
-}
-
-bool Track::must_look_at_mirror() noexcept {
-  return mirror_weight_ > kOutOfTheQuestion || ++frames_since_mirror_ >= kMirrorEvery;
 }
 
 bool Track::accepts(const PoseCandidate& followed, MonoTime exposed_at) const noexcept {
@@ -129,7 +127,7 @@ std::size_t Track::choose(const PoseCandidates& candidates) const noexcept {
   return chosen;
 }
 
-Result<std::size_t> Track::take(PoseCandidates& candidates, bool mirror_was_looked_at, MonoTime exposed_at) noexcept {
+Result<std::size_t> Track::take(PoseCandidates& candidates, MonoTime exposed_at) noexcept {
   const std::size_t chosen = choose(candidates);
   PoseCandidate& candidate = candidates.list[chosen];
   if (!is_publishable(candidate.pose)) {
@@ -140,9 +138,9 @@ Result<std::size_t> Track::take(PoseCandidates& candidates, bool mirror_was_look
   const CameraFromLandmark now = candidate.pose.T_landmark_camera.inverse();
   if (!remembered(exposed_at) || std::abs(turn_in_plane_rad(prior_.T_camera_landmark, now)) > kOtherNumbers_rad)
     has_past_ = false;
+  const NumberingCosts past = numbering_is_known_ ? kNoOtherNumbering : has_past_ ? numbering_worst_ : NumberingCosts{};
   const ReadingOdds odds =
-      weigh_readings(candidates, chosen, has_past_ ? numbering_worst_ : NumberingCosts{},
-                     mirror_was_looked_at ? 0 : mirror_weight_, options_.landmark, options_.upright);
+      weigh_readings(candidates, chosen, past, options_.landmark, numbering_is_known_ ? nullptr : &options_.upright);
   candidate.pose.ambiguity = odds.ambiguity;
   candidates.rival = odds.rival;
   mirror_weight_ = odds.mirror_weight;
@@ -152,8 +150,20 @@ Result<std::size_t> Track::take(PoseCandidates& candidates, bool mirror_was_look
   prior_ = {now, candidate.outlines, candidates.warp_px, mirror_weight_ < kSettled};
   light_smooth_ = candidate.light_smooth;
   note_numbering();
-  if (mirror_was_looked_at) frames_since_mirror_ = 0;
   return chosen;
+}
+
+void Track::believe(PoseCandidates& candidates, std::size_t chosen) noexcept {
+  const PoseCandidate& candidate = candidates.list[chosen];
+  const CameraFromLandmark now = candidate.pose.T_landmark_camera.inverse();
+  mirror_weight_ = 0;
+  prior_.side_is_settled = true;
+  if (angle_between_rad(now, prior_.T_camera_landmark) < kSamePose_rad) return;
+  motion_.reset();
+  pose_ = candidate.pose;
+  prior_.T_camera_landmark = now;
+  prior_.outlines = candidate.outlines;
+  light_smooth_ = candidate.light_smooth;
 }
 
 void Track::jump() noexcept {

@@ -37,6 +37,12 @@ class Track {
   /// The sheet before the camera, if it goes on as between the last two frames. \pre prior() (contract)
   CameraFromLandmark expected_at(MonoTime time) const noexcept;
 
+  /// How it moved between the last two frames; rows all at once. None: they did not both have a pose.
+  std::optional<SheetMotion> motion() const noexcept {
+    if (!motion_) return std::nullopt;
+    return SheetMotion{motion_->rotation_rad_s, motion_->translation_m_s};
+  }
+
   /// Where to look for it. \pre has_sighting() (contract)
   LandmarkForecast forecast(MonoTime time) const noexcept;
   /// Where it was last, for the numbers of its dots: a landmark that was out of sight for a moment has not been turned
@@ -45,9 +51,6 @@ class Track {
 
   /// Its motion is foretold so well, and its light is so even, that its outlines may be looked for at once.
   bool may_follow_outlines() const noexcept;
-  /// Whether the mirror image must be looked at when the outlines are followed: one that is out of the question does
-  /// not come back within a few frames. Counts the frames.
-  bool must_look_at_mirror() noexcept;
   /// A pose found by following outlines is what the track was after: as many dots, as good a fit, as certain, and
   /// turned as the track expects it; where it is in the picture the solver has asked. \pre prior() (contract)
   bool accepts(const PoseCandidate& followed, MonoTime exposed_at) const noexcept;
@@ -55,14 +58,20 @@ class Track {
   /// The frame shows the landmark, whatever comes of it.
   void see(const LandmarkObservation& seen) noexcept;
   /// Chooses one of the readings: by the picture, and where it can't tell by continuity. What the losers are worth
-  /// stays in its `ambiguity`, the likeliest of them in `rival`. \param mirror_was_looked_at  false: what is known of
-  /// the mirror image is still that of the frame before \return  index of the chosen one \error kPoseDegenerate: its
-  /// numbers are not finite; the track has no pose then
-  Result<std::size_t> take(PoseCandidates& candidates, bool mirror_was_looked_at, MonoTime exposed_at) noexcept;
+  /// stays in its `ambiguity`, the likeliest of them in `rival`. \return  index of the chosen one \error
+  /// kPoseDegenerate: its numbers are not finite; the track has no pose then
+  Result<std::size_t> take(PoseCandidates& candidates, MonoTime exposed_at) noexcept;
+  /// What was taken last was another one of its readings: more than this landmark's picture says so. \param chosen
+  /// index of it [1]
+  void believe(PoseCandidates& candidates, std::size_t chosen) noexcept;
   /// The landmark is not where it was, and is looked for everywhere: where it is found is no motion.
   void jump() noexcept;
   /// The frame gave no pose. \param sighted  but it shows the landmark
   void lose_pose(bool sighted) noexcept;
+
+  /// Which dot is P1 is known from now on, by the dots' colours: whatever the camera's roll, no other numbering is
+  /// possible. Until `reset`.
+  void know_numbering() noexcept { numbering_is_known_ = true; }
 
   /// Another numbering of the dots has become so much likelier over the track's whole way that it must begin anew: a
   /// camera that would have to lie on its side was numbered wrongly when the track began.
@@ -91,12 +100,12 @@ class Track {
   std::optional<Motion> motion_;  // between the last two frames, if both had a pose
   double surprise_px_ = 0;        // how far the landmark was from where it was expected
   bool has_jumped_ = false;       // it had a pose, and was not where that let expect it
-  int frames_since_mirror_ = 0;   // since the mirror image was looked at
   double mirror_weight_ = 0;      // of the mirror image when it was, see reading_odds.h
 
   /// What speaks against each numbering, k eighths from the one believed: the worst that upright_costs said of it since
   /// the track began. The worst and not the sum: a camera that stands askew for an hour says it once.
   NumberingCosts numbering_worst_{};
+  bool numbering_is_known_ = false;
   bool has_past_ = false;  // numbering_worst_, prior_ and pose_at_ are of this track, if it is out of sight
 };
 

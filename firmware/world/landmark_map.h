@@ -12,8 +12,12 @@ namespace ninedot {
 
 struct MappedLandmark {
   std::uint16_t id = 0;
-  std::string code;  ///< P1..P8, eight of K R G B; empty: black and white
-  Transform<frame::World, frame::Landmark> T_world_landmark;
+  std::string code;                                           ///< P1..P8, eight of K R G B; empty: black and white
+  Transform<frame::World, frame::Landmark> T_world_landmark;  ///< the identity where has_place is false
+  bool has_place = true;                                      ///< false: nobody knows yet where it hangs
+  /// Of its place, (position [m], rotation vector [rad]) both in the world's axes: p + position, exp(rotation) R. [m^2,
+  /// m rad, rad^2] Zero: exact.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
 /// Memory: made at the start, constant afterwards. Threads: const is safe.

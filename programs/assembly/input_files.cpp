@@ -18,6 +18,16 @@ void make_absolute(std::string& path, const std::string& config_path) {
     path = (std::filesystem::path(config_path).parent_path() / path).lexically_normal().string();
 }
 
+void read_map(Config& config, ConfigProblems& problems) {
+  std::string text;
+  try {
+    text = read_text_file(config.map, kMaxFile_bytes);
+  } catch (const StartupError& error) {
+    return problems.add(problems.line_of("map"), error.what());
+  }
+  read_map_text(text, config.map, config, problems);
+}
+
 }  // namespace
 
 Config read_config(const std::string& path) {
@@ -31,6 +41,8 @@ Config read_config(const std::string& path, ConfigProblems& problems) {
   Config config = read_config_text(read_text_file(path, kMaxFile_bytes), path, problems);
   if (config.camera.source == "recording") make_absolute(config.camera.device, path);
   make_absolute(config.camera.calibration, path);
+  make_absolute(config.map, path);
+  if (!config.map.empty() && config.landmarks.empty()) read_map(config, problems);
   return config;
 }
 

@@ -9,7 +9,8 @@ namespace ninedot {
 
 /// Reads and checks a configuration file.
 /// Throws StartupError(kWrongUsage) with "FILE:LINE: what is wrong and what to write instead".
-/// A relative `calibration`, and a recording's relative `device`, come back as seen from the folder of the file.
+/// A relative `calibration` or `map`, and a recording's relative `device`, come back as seen from the folder of the
+/// file; the landmarks of a `map` are read from there, and its mistakes are told with its name and line.
 Config read_config(const std::string& path);
 
 /// The same, which tells all that is wrong, and where the keys stand. \param problems  as read_config_text

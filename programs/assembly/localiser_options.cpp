@@ -1,41 +1,62 @@
 #include "programs/assembly/localiser_options.h"
 
-#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+#include <vector>
 
-#include "base/startup_error.h"
 #include "base/units.h"
-#include "world/landmark_map.h"
+#include "programs/assembly/motion_options.h"
 
 namespace ninedot {
+namespace {
+
+Transform<frame::World, frame::Landmark> place_of(const MapLandmarkConfig& landmark) {
+  if (!landmark.position_mm) return {};
+  const Eigen::Vector3d position_m = Eigen::Map<const Eigen::Vector3d>(landmark.position_mm->data()) * kMetresPerMm;
+  if (!landmark.orientation_wxyz) return place_upright(position_m, landmark.heading_deg * kRadPerDeg);
+  const auto& [w, x, y, z] = *landmark.orientation_wxyz;
+  return {Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix(), position_m};
+}
+
+MappedLandmark mapped(const MapLandmarkConfig& landmark) {
+  MappedLandmark result{static_cast<std::uint16_t>(landmark.id), landmark.code, place_of(landmark),
+                        landmark.position_mm.has_value()};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto at = static_cast<Eigen::Index>(axis);
+    const double position_m = landmark.sigma_position_mm[axis] * kMetresPerMm;
+    const double rotation_rad = landmark.sigma_rotation_deg[axis] * kRadPerDeg;
+    result.covariance(at, at) = position_m * position_m;
+    result.covariance(at + 3, at + 3) = rotation_rad * rotation_rad;
+  }
+  return result;
+}
+
+}  // namespace
+
+LandmarkMap landmark_map(const Config& config) {
+  if (config.landmarks.empty()) return {};
+  std::vector<MappedLandmark> landmarks;
+  for (const MapLandmarkConfig& landmark : config.landmarks) landmarks.push_back(mapped(landmark));
+  if (landmarks.size() == 1) landmarks.front().has_place = true;
+  return LandmarkMap(std::move(landmarks));
+}
 
 LocaliserOptions localiser_options(const Config& config) {
-  const bool any_code =
-      std::ranges::any_of(config.landmarks, [](const auto& landmark) { return !landmark.code.empty(); });
-  if (config.landmarks.size() > 1 && !any_code)
-    throw StartupError(
-        ExitStatus::kWrongUsage,
-        "[[landmarks]]: black-and-white landmarks look alike, so that only one can be told from the rest: "
-        "keep one entry");
   LocaliserOptions options;
-  options.landmark = {config.landmark.ring_radius_mm * kMetresPerMm, config.landmark.dot_diameter_mm / 2 * kMetresPerMm,
-                      config.landmark.centre_diameter_mm / 2 * kMetresPerMm};
-  options.detector.upright = {config.landmark.expected_roll_deg * kRadPerDeg,
-                              config.landmark.roll_sigma_deg * kRadPerDeg};
-  options.solver = config.pose.solver == "ellipse" ? Solver::kEllipse : Solver::kFull;
+  options.seeker.landmark = {config.landmark.ring_radius_mm * kMetresPerMm,
+                             config.landmark.dot_diameter_mm / 2 * kMetresPerMm,
+                             config.landmark.centre_diameter_mm / 2 * kMetresPerMm};
+  options.seeker.detector.upright = {config.landmark.expected_roll_deg * kRadPerDeg,
+                                     config.landmark.roll_sigma_deg * kRadPerDeg};
+  options.seeker.solver = config.pose.solver == "ellipse" ? Solver::kEllipse : Solver::kFull;
   const EllipseConfig& e = config.ellipse;
-  options.ellipse = {e.kmm_mm_per_px, e.p1, e.p2, e.p3, e.cu, e.cv};
+  options.seeker.ellipse = {e.kmm_mm_per_px, e.p1, e.p2, e.p3, e.cu, e.cv};
+  options.seeker.row_time = std::chrono::nanoseconds(std::llround(1000 * config.camera.row_time_us));
   options.tracking = config.pose.tracking;
   options.trust = {config.pose.max_ambiguity, config.pose.max_sigma_percent / 100};
-  if (!config.landmarks.empty()) {
-    const MapLandmarkConfig& landmark = config.landmarks.front();
-    if (any_code)
-      throw StartupError(ExitStatus::kWrongUsage,
-                         "[[landmarks]]: this version does not read colour codes yet: leave `code` out for a "
-                         "black-and-white landmark");
-    const Eigen::Vector3d position_m = Eigen::Vector3d(landmark.x_mm, landmark.y_mm, landmark.z_mm) * kMetresPerMm;
-    options.map = LandmarkMap({{static_cast<std::uint16_t>(landmark.id), landmark.code,
-                                place_upright(position_m, landmark.heading_deg * kRadPerDeg)}});
-  }
+  options.map = landmark_map(config);
+  options.filter = pose_filter_options(config);
   return options;
 }
 

@@ -2,11 +2,14 @@
 /// From the configuration's millimetres and degrees to the localiser's metres and radians.
 #include "config/config.h"
 #include "pipeline/localiser.h"
+#include "world/landmark_map.h"
 
 namespace ninedot {
 
-/// Throws StartupError(kWrongUsage) when the map asks for what this version cannot tell apart: colour codes, or more
-/// than one black-and-white landmark.
+/// The [[landmarks]] with their places and uncertainties; where there are none LandmarkMap's own. A lone landmark whose
+/// place is not told hangs at the world's origin.
+LandmarkMap landmark_map(const Config& config);
+
 LocaliserOptions localiser_options(const Config& config);
 
 }  // namespace ninedot

@@ -38,8 +38,8 @@ class Findings {
     for (const ConfigProblem& problem : file_.list) problems_.push_back(problem);
   }
 
-  void refuse(const char* key, const std::string& what) { problems_.push_back({file_.line_of(key), what}); }
-  void note(const char* key, const std::string& what) { notes_.push_back({file_.line_of(key), what}); }
+  void refuse(const char* key, const std::string& what) { problems_.push_back({file_.line_of(key), what, {}}); }
+  void note(const char* key, const std::string& what) { notes_.push_back({file_.line_of(key), what, {}}); }
 
   /// Does what the service does at its start, for the key that it is about. Not for a table with mistakes in the file:
   /// there the key may not have been read at all.
@@ -64,12 +64,13 @@ class Findings {
 
   /// Throws StartupError(kWrongUsage), a line for each problem; else prints the notes after `summary`.
   void conclude(const std::function<void()>& summary) {
-    std::ranges::stable_sort(problems_, {}, &ConfigProblem::line);
+    std::ranges::stable_sort(problems_, {}, &ConfigProblem::place);
     std::string lines;
     for (const ConfigProblem& problem : problems_) lines += (lines.empty() ? "" : "\n") + problem_text(path_, problem);
     if (problems_.empty()) summary();
-    std::ranges::stable_sort(notes_, {}, &ConfigProblem::line);
-    for (const ConfigProblem& note : notes_) fmt::print("{}\n", problem_text(path_, {note.line, "note: " + note.what}));
+    std::ranges::stable_sort(notes_, {}, &ConfigProblem::place);
+    for (const ConfigProblem& note : notes_)
+      fmt::print("{}\n", problem_text(path_, {note.line, "note: " + note.what, {}}));
     if (!problems_.empty()) throw StartupError(ExitStatus::kWrongUsage, lines);
   }
 

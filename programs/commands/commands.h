@@ -14,5 +14,6 @@ void add_check_command(CLI::App& app);
 void add_registers_command(CLI::App& app);
 void add_status_command(CLI::App& app);
 void add_aim_command(CLI::App& app);
+void add_map_command(CLI::App& app);
 
 }  // namespace ninedot

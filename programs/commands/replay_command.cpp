@@ -2,7 +2,6 @@
 // gives the same bytes, but for the column process_us.
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -10,22 +9,26 @@
 #include <chrono>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/startup_error.h"
-#include "calibrate/camera_file.h"
 #include "config/config.h"
 #include "drawing/overlay.h"
 #include "drivers/picture/picture_file.h"
 #include "drivers/posix/output_file.h"
 #include "drivers/recording/recording_source.h"
 #include "outputs/wire_output.h"
-#include "pipeline/localiser.h"
 #include "pipeline/next_report.h"
 #include "programs/assembly/input_files.h"
 #include "programs/assembly/localiser_options.h"
+#include "programs/assembly/make_localiser.h"
+#include "programs/assembly/motion_options.h"
+#include "programs/assembly/recording_camera.h"
 #include "programs/commands/commands.h"
+#include "programs/commands/progress.h"
+#include "programs/commands/world_rows.h"
 #include "proto/pose_csv.h"
 
 namespace ninedot {
@@ -34,53 +37,13 @@ namespace {
 using namespace std::chrono_literals;
 
 struct ReplayArguments {
-  std::string recording, config, camera, out, format = "csv", overlay_folder;
+  std::string recording, config, camera, out, out_world, out_track, format = "csv", of_frame = "camera", overlay_folder;
   bool realtime = false, keep_going = false;
 };
 
 struct ReplayCounts {
   std::uint64_t frames = 0, found = 0, valid = 0, unreadable = 0, dropped = 0;
   std::vector<double> process_us;
-};
-
-bool exists(const std::string& path) { return access(path.c_str(), F_OK) == 0; }
-
-CameraModel camera_for(const ReplayArguments& arguments, const Config& config) {
-  if (!arguments.camera.empty()) return read_camera_file(arguments.camera);
-  const std::string own = recording_camera_file(arguments.recording);
-  if (exists(own)) return read_camera_file(own);
-  if (!config.camera.calibration.empty()) return read_camera_file(config.camera.calibration);
-  throw StartupError(ExitStatus::kWrongUsage,
-                     fmt::format("{}: no calibration there: give one with --camera FILE", own));
-}
-
-void check_size(const RecordingSource& source, const CameraModel& camera, const std::string& recording) {
-  if (source.size() == PictureSize{camera.width_px, camera.height_px}) return;
-  throw StartupError(
-      ExitStatus::kWrongUsage,
-      fmt::format("{}: its pictures are {}x{}, but the calibration is for {}x{}: give the right one with "
-                  "--camera FILE",
-                  recording, source.size().width_px, source.size().height_px, camera.width_px, camera.height_px));
-}
-
-/// "frame 12 of 70" on a terminal, nothing elsewhere.
-class Progress {
- public:
-  explicit Progress(std::uint64_t total) : total_(total), terminal_(isatty(STDERR_FILENO) == 1) {}
-  ~Progress() { clear(); }
-  void show(std::uint64_t frame) {
-    if (!terminal_ || mono_now() - shown_at_ < 100ms) return;
-    shown_at_ = mono_now();
-    fmt::print(stderr, "\rframe {} of {}", frame, total_);
-  }
-  void clear() {
-    if (terminal_) fmt::print(stderr, "\r\x1b[K");
-  }
-
- private:
-  std::uint64_t total_;
-  bool terminal_;
-  MonoTime shown_at_{};
 };
 
 /// Overlay pictures FOLDER/NNNNNN.png.
@@ -164,16 +127,20 @@ void run_replay(const ReplayArguments& arguments) {
   RecordingOptions recording_options;
   recording_options.pace = arguments.realtime ? RecordingPace::kRealTime : RecordingPace::kEveryFrame;
   RecordingSource source(arguments.recording, recording_options);
-  const CameraModel camera = camera_for(arguments, config);
-  check_size(source, camera, arguments.recording);
+  const CameraModel camera = recording_camera(arguments.recording, arguments.camera, config);
+  check_picture_size(source, camera, arguments.recording);
   const LocaliserOptions options = localiser_options(config);
-  Localiser localiser(camera, options);
+  const auto localiser = make_localiser(camera, options);
   const RecordedTimes times(arguments.recording, arguments.realtime);
-  OverlayWriter overlay(arguments.overlay_folder, camera, options.landmark);
+  OverlayWriter overlay(arguments.overlay_folder, camera, options.seeker.landmark);
   PoseRows rows(arguments.out, arguments.format == "tum");
+  std::optional<BodyGeometry> body;
+  if (arguments.of_frame == "body") body = body_geometry(config.body);
+  WorldRows world(arguments.out_world, WorldRows::Kind::kWorld, options.trust.max_ambiguity, body);
+  WorldRows track(arguments.out_track, WorldRows::Kind::kTrack, options.trust.max_ambiguity, body);
 
   ReplayCounts counts;
-  Progress progress(source.frame_count());
+  Progress progress;
   Report report;
   for (;;) {
     const Result<FrameLease> lease = source.next(mono_now() + 1s);
@@ -192,18 +159,22 @@ void run_replay(const ReplayArguments& arguments) {
     }
     counts.dropped += lease->dropped_before;
     const Frame frame = times.stamped(lease->frame);
-    const Fix& fix = localiser.process(frame);
+    const Fix& fix = localiser->process(frame);
     report = next_report(report, frame, fix, {.now = frame.exposed_at()});
     counts.process_us.push_back(std::chrono::duration<double, std::micro>(report.process_time).count());
     if (!fix.landmarks.empty()) {
       ++counts.found;
       if (report.valid) ++counts.valid;
-      rows.add(with_pose_of(report, frame, fix));
+      for (const LandmarkFix& landmark : fix.landmarks) rows.add(with_pose_of(report, frame, landmark));
     }
-    overlay.write(frame, report, localiser.last_observation());
-    progress.show(counts.frames);
+    world.add(frame, fix);
+    track.add(frame, fix);
+    overlay.write(frame, report, localiser->last_observation());
+    if (progress.is_due()) progress.show(fmt::format("frame {} of {}", counts.frames, source.frame_count()));
   }
   rows.finish();
+  world.finish();
+  track.finish();
   progress.clear();
   print_summary(counts);
 }
@@ -218,6 +189,10 @@ void add_replay_command(CLI::App& app) {
   command->add_option("--camera", arguments->camera,
                       "calibration; default: camera.yaml of the recording, then that of the configuration");
   command->add_option("--out", arguments->out, "file for the poses; default: standard output");
+  command->add_option("--out-world", arguments->out_world, "file for the camera's poses in the world (the map's)");
+  command->add_option("--out-track", arguments->out_track, "file for the same, filtered over time, with velocity");
+  command->add_option("--frame", arguments->of_frame, "whose place these two have: camera (default), or body: [body]")
+      ->check(CLI::IsMember({"camera", "body"}));
   command->add_option("--format", arguments->format, "csv (default), or tum: timestamp x y z qx qy qz qw")
       ->check(CLI::IsMember({"csv", "tum"}));
   command->add_option("--overlay", arguments->overlay_folder, "folder for pictures that show what was found");

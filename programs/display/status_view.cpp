@@ -179,6 +179,12 @@ std::string status_table(const RegisterReader& r) {
     add(text, "or else    x {} y {} z {} mm, by another reading: odds {}\n", number(known_value(r, reg::kRivalX32), 1),
         number(known_value(r, reg::kRivalX32 + 2), 1), number(known_value(r, reg::kRivalX32 + 4), 1),
         number(r.value(reg::kRivalOdds), 3));
+  if (r.value(reg::kLandmarksSeen) > 1 || r.value(reg::kLandmarksRejected) > 0)
+    add(text, "in view    {} landmarks of the map{}\n", r.integer(reg::kLandmarksSeen),
+        r.value(reg::kLandmarksRejected) > 0
+            ? fmt::format(", {} NOT WHERE THE MAP SAYS (number {})", r.integer(reg::kLandmarksRejected),
+                          r.integer(reg::kLastRejectedId))
+            : "");
   if (r.status(status_bit::kHasHead))
     add(text, "head       pan {} deg, tilt {} deg{}{}{}\n", number(known_value(r, reg::kPan), 2),
         number(known_value(r, reg::kTilt), 2), r.status(status_bit::kServoLimit) ? ", at its LIMIT" : "",

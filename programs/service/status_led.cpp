@@ -32,6 +32,8 @@ LedPattern led_pattern_of(const Report& report) noexcept {
     case Reason::kUncertain:
     case Reason::kPoorFit:
     case Reason::kCrowded:
+    case Reason::kNotIdentified:
+    case Reason::kMoved:
     case Reason::kStale:
     case Reason::kHeld:
       return LedPattern::kNoLandmark;

@@ -23,8 +23,10 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const std::string& line) { throw StartupError(ExitStatus::kWrongUsage, line); }
 
-std::vector<std::string> split(const std::string& line) {
+/// Fields of a line that ends with a line feed, or with a carriage return before it (RFC 4180).
+std::vector<std::string> split(std::string line) {
   std::vector<std::string> fields;
+  if (line.ends_with('\r')) line.pop_back();
   std::stringstream stream(line);
   for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
   return fields;
@@ -56,17 +58,18 @@ std::vector<std::uint8_t> read_file(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-std::vector<std::uint8_t> read_picture(const fs::path& case_path, int number, PictureDecoder& decoder,
-                                       PictureSize size) {
+void read_picture(const fs::path& case_path, PictureDecoder& decoder, PictureSize size, CaseFrame& frame) {
   for (const char* const kind : {"png", "pgm", "ppm", "jpg"}) {
-    const fs::path path = case_path / "frames" / fmt::format("{:06}.{}", number, kind);
+    const fs::path path = case_path / "frames" / fmt::format("{:06}.{}", frame.number, kind);
     if (!fs::exists(path)) continue;
-    std::vector<std::uint8_t> luma(size.pixel_count());
-    if (!decoder.decode(read_file(path), luma))
-      fail(path.string() + ": can't be read, or is not of the calibration's size");
-    return luma;
+    frame.luma.resize(size.pixel_count());
+    frame.colour.resize(2 * size.pixel_count());
+    const Result<ChromaView> chroma = decoder.decode_with_chroma(read_file(path), frame.luma, frame.colour);
+    if (!chroma) fail(path.string() + ": can't be read, or is not of the calibration's size");
+    frame.chroma = *chroma;
+    return;
   }
-  fail(fmt::format("{}: no picture for frame {} of truth.csv", case_path.string(), number));
+  fail(fmt::format("{}: no picture for frame {} of truth.csv", case_path.string(), frame.number));
 }
 
 TruePose true_pose(const Row& row) {
@@ -107,8 +110,10 @@ CaseFolder read_case(const std::string& path) {
     const Row row{columns, split(line), where};
     const int number = static_cast<int>(row.number("frame"));
     if (result.frames.empty() || result.frames.back().number != number) {
-      const auto timestamp_ns = static_cast<std::int64_t>(row.number("timestamp_ns"));
-      result.frames.push_back({number, timestamp_ns, read_picture(folder, number, decoder, size), {}});
+      CaseFrame& frame = result.frames.emplace_back();
+      frame.number = number;
+      frame.timestamp_ns = static_cast<std::int64_t>(row.number("timestamp_ns"));
+      read_picture(folder, decoder, size, frame);
     }
     if (row.number("visible") != 0) result.frames.back().landmarks.push_back(true_pose(row));
   }

@@ -6,6 +6,7 @@
 
 #include "geometry/camera_model.h"
 #include "geometry/transform.h"
+#include "image/chroma_view.h"
 #include "image/image_view.h"
 
 namespace ninedot::bench {
@@ -24,8 +25,10 @@ struct TruePose {
 struct CaseFrame {
   int number = 0;
   std::int64_t timestamp_ns = 0;
-  std::vector<std::uint8_t> luma;   ///< rows without gaps
-  std::vector<TruePose> landmarks;  ///< none: the picture shows no landmark
+  std::vector<std::uint8_t> luma;    ///< rows without gaps
+  std::vector<std::uint8_t> colour;  ///< where `chroma` looks
+  ChromaView chroma;                 ///< empty: the picture is grey. Valid while the frame lives
+  std::vector<TruePose> landmarks;   ///< none: the picture shows no landmark
 };
 
 struct CaseFolder {

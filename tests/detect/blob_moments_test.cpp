@@ -84,15 +84,16 @@ TEST(BlobMoments, OfDarknessAreThoseOfTwoPassesOverAnyBox) {
     const bool any = measure_darkness(picture.view(), region, noise_lsb, found);
     ASSERT_EQ(any, two_pass(picture.view(), region, noise_lsb, expected));
     if (!any) continue;
-    EXPECT_NEAR(found.x_px, expected.x_px, 1e-9);
-    EXPECT_NEAR(found.y_px, expected.y_px, 1e-9);
-    EXPECT_NEAR(found.area_px2, expected.area_px2, 1e-9);
+    // Sums of single precision over a box of up to 16 px a side.
+    EXPECT_NEAR(found.x_px, expected.x_px, 1e-5);
+    EXPECT_NEAR(found.y_px, expected.y_px, 1e-5);
+    EXPECT_NEAR(found.area_px2, expected.area_px2, 1e-4);
     ASSERT_GE(narrow_px2(found), kPixelVariance_px2 - 1e-12);
     if (narrow_px2(expected) < kPixelVariance_px2) continue;
     ++compared;
-    EXPECT_NEAR(found.xx_px2, expected.xx_px2, 1e-10);
-    EXPECT_NEAR(found.xy_px2, expected.xy_px2, 1e-10);
-    EXPECT_NEAR(found.yy_px2, expected.yy_px2, 1e-10);
+    EXPECT_NEAR(found.xx_px2, expected.xx_px2, 1e-4);
+    EXPECT_NEAR(found.xy_px2, expected.xy_px2, 1e-4);
+    EXPECT_NEAR(found.yy_px2, expected.yy_px2, 1e-4);
   }
   EXPECT_GT(compared, 500);
 }

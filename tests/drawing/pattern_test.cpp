@@ -113,6 +113,8 @@ std::string refusal(Call call, ExitStatus status) {
   ADD_FAILURE() << "not refused";
   return "";
 }
+std::string pdf_of(const PatternPage& page) { return encode_pdf({&page, 1}); }
+
 std::string refusal_of(const PatternOptions& options) {
   return refusal([&] { make_pattern_page(options); }, ExitStatus::kWrongUsage);
 }
@@ -154,11 +156,11 @@ TEST(PatternSvg, ColoursTheDotsInTheOrderOfTheCode) {
 }
 
 TEST(PatternPdf, HasNineDotsOfExactSizeAndPlace) {
-  expect_same_discs(discs_of_pdf(encode_pdf(make_pattern_page({})), 297));
+  expect_same_discs(discs_of_pdf(pdf_of(make_pattern_page({})), 297));
 }
 
 TEST(PatternPdf, HasTheMediaBoxOfThePaperInPoints) {
-  const std::string pdf = encode_pdf(make_pattern_page({}));
+  const std::string pdf = pdf_of(make_pattern_page({}));
   std::smatch box;
   ASSERT_TRUE(std::regex_search(pdf, box, std::regex("/MediaBox \\[0 0 ([0-9.]+) ([0-9.]+)\\]")));
   EXPECT_NEAR(std::stod(box[1]), 210 * 72 / 25.4, 1e-6);
@@ -168,18 +170,51 @@ TEST(PatternPdf, HasTheMediaBoxOfThePaperInPoints) {
 }
 
 TEST(PatternPdf, TableOfObjectsPointsAtTheObjects) {
-  const std::string pdf = encode_pdf(make_pattern_page({}));
+  const std::vector<PatternPage> pages(2, make_pattern_page({}));
+  const std::string pdf = encode_pdf(pages);
   const std::size_t table = std::stoul(pdf.substr(pdf.rfind("startxref\n") + 10));
-  ASSERT_EQ(pdf.substr(table, 9), "xref\n0 7\n");
-  for (std::size_t object = 1; object <= 6; ++object) {
+  ASSERT_EQ(pdf.substr(table, 9), "xref\n0 9\n");
+  for (std::size_t object = 1; object <= 8; ++object) {
     const std::size_t at = std::stoul(pdf.substr(table + 9 + 20 * object, 10));
     EXPECT_EQ(pdf.substr(at, 8), fmt::format("{} 0 obj\n", object));
   }
 }
 
+TEST_F(PatternFiles, APdfHasItsPagesInOrderEachOfItsOwnSize) {
+  std::vector<PatternPage> pages;
+  for (const auto& [id, sheet] : {std::pair(3, "a4"), std::pair(1, "letter"), std::pair(27, "a3")}) {
+    PatternOptions options;
+    options.landmark_id = id;
+    options.code = known_code(id).value();
+    options.sheet = sheet;
+    pages.push_back(make_pattern_page(options));
+  }
+  write_pattern(pages, folder_ / "sheets.pdf");
+  const auto told_by = [&](const std::string& command) {
+    EXPECT_EQ(std::system(fmt::format("{} > '{}/told'", command, folder_.string()).c_str()), 0);
+    return contents(folder_ / "told");
+  };
+  const std::string file = (folder_ / "sheets.pdf").string();
+  const std::string sizes = told_by(fmt::format("pdfinfo -l 9 '{}'", file));
+  EXPECT_TRUE(std::regex_search(sizes, std::regex("Pages: +3\n"))) << sizes;
+  EXPECT_TRUE(std::regex_search(sizes, std::regex("Page +2 size: +612 x 792 pts"))) << sizes;
+  EXPECT_TRUE(std::regex_search(sizes, std::regex("Page +3 size: +841.89 x 1190.55 pts"))) << sizes;
+  const std::array<std::string, 3> words{"landmark 3, code KKGRRBGB", "landmark 1, code KRGBKKRB",
+                                         "landmark 27, code RBGGBBGB"};
+  for (std::size_t i = 0; i < words.size(); ++i)
+    EXPECT_NE(told_by(fmt::format("pdftotext -f {0} -l {0} '{1}' -", i + 1, file)).find(words[i]), std::string::npos);
+}
+
+TEST_F(PatternFiles, RefusesSeveralPagesInAnSvg) {
+  const std::vector<PatternPage> pages(2, make_pattern_page({}));
+  const std::string line = refusal([&] { write_pattern(pages, folder_ / "sheets.svg"); }, ExitStatus::kWrongUsage);
+  EXPECT_NE(line.find("write a .pdf"), std::string::npos) << line;
+  EXPECT_FALSE(fs::exists(folder_ / "sheets.svg"));
+}
+
 TEST(PatternPdf, ArcsStayWithin5e6OfTheRadius) {
   PatternPage page{100, 100, "one disc", {PageDisc{{50, 50}, 80, {}}}};
-  const std::string pdf = encode_pdf(page);
+  const std::string pdf = pdf_of(page);
   std::istringstream lines(pdf.substr(pdf.find(" m\n") - 20));
   std::array<double, 8> p{90, 50};  // start, two control points, end
   int arcs = 0;
@@ -226,7 +261,7 @@ class GreyPage {
 };
 
 TEST_F(PatternFiles, RasterisedPdfHasDotsAndScaleBarWithin0p05Millimetres) {
-  write_pattern(make_pattern_page({}), folder_ / "sheet.pdf");
+  write_pattern(std::vector{make_pattern_page({})}, folder_ / "sheet.pdf");
   const std::string command =
       fmt::format("pdftoppm -r 300 -gray -singlefile '{0}/sheet.pdf' '{0}/sheet'", folder_.string());
   ASSERT_EQ(std::system(command.c_str()), 0) << "pdftoppm is of the package poppler-utils";
@@ -344,7 +379,7 @@ TEST(PatternPage, RefusesLengthsThatAreNoneAndDotsThatTouch) {
 
 TEST(PatternPage, RefusesUnknownPaper) {
   for (const char* sheet :
-       {"", "a9", "letter", "210", "210x", "x297", "210x297mm", "0x10", "1e3x1e9", "-210x297", "100x300", "nanxnan"}) {
+       {"", "a9", "legal", "210", "210x", "x297", "210x297mm", "0x10", "1e3x1e9", "-210x297", "100x300", "nanxnan"}) {
     PatternOptions options;
     options.sheet = sheet;
     EXPECT_NE(refusal_of(options).find("--sheet"), std::string::npos) << sheet;
@@ -353,16 +388,17 @@ TEST(PatternPage, RefusesUnknownPaper) {
 
 TEST_F(PatternFiles, WritesTheWholeFileAndLeavesNoTemporaryOne) {
   const PatternPage page = make_pattern_page({});
-  write_pattern(page, folder_ / "sheet.svg");
-  write_pattern(page, folder_ / "sheet.pdf");
+  write_pattern({&page, 1}, folder_ / "sheet.svg");
+  write_pattern({&page, 1}, folder_ / "sheet.pdf");
   EXPECT_EQ(contents(folder_ / "sheet.svg"), encode_svg(page));
-  EXPECT_EQ(contents(folder_ / "sheet.pdf"), encode_pdf(page));
+  EXPECT_EQ(contents(folder_ / "sheet.pdf"), pdf_of(page));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);
 }
 
 TEST_F(PatternFiles, RefusesOtherEndingsAndWritesNothing) {
   for (const char* name : {"sheet.png", "sheet", "sheet.svg.txt", ".pdf"}) {
-    const std::string line = refusal([&] { write_pattern(make_pattern_page({}), name); }, ExitStatus::kWrongUsage);
+    const std::string line =
+        refusal([&] { write_pattern(std::vector{make_pattern_page({})}, name); }, ExitStatus::kWrongUsage);
     EXPECT_NE(line.find(".svg or .pdf"), std::string::npos);
     EXPECT_FALSE(fs::exists(name));
   }
@@ -370,18 +406,19 @@ TEST_F(PatternFiles, RefusesOtherEndingsAndWritesNothing) {
 
 TEST_F(PatternFiles, KeepsTheOldFileWhenTheNewOneCannotBeWritten) {
   fs::create_directories(folder_ / "sheet.svg");  // a folder in the way: the rename fails
-  const std::string line =
-      refusal([&] { write_pattern(make_pattern_page({}), folder_ / "sheet.svg"); }, ExitStatus::kWorkFailed);
+  const std::string line = refusal([&] { write_pattern(std::vector{make_pattern_page({})}, folder_ / "sheet.svg"); },
+                                   ExitStatus::kWorkFailed);
   EXPECT_NE(line.find("sheet.svg: cannot be renamed: Is a directory"), std::string::npos) << line;
   EXPECT_TRUE(fs::is_directory(folder_ / "sheet.svg"));
   EXPECT_FALSE(fs::exists(folder_ / "sheet.svg.tmp"));
-  refusal([&] { write_pattern(make_pattern_page({}), folder_ / "missing" / "sheet.svg"); }, ExitStatus::kWorkFailed);
+  refusal([&] { write_pattern(std::vector{make_pattern_page({})}, folder_ / "missing" / "sheet.svg"); },
+          ExitStatus::kWorkFailed);
 }
 
 TEST_F(PatternFiles, AFullDiskIsReported) {
   fs::create_symlink("/dev/full", folder_ / "sheet.pdf.tmp");
-  const std::string line =
-      refusal([&] { write_pattern(make_pattern_page({}), folder_ / "sheet.pdf"); }, ExitStatus::kWorkFailed);
+  const std::string line = refusal([&] { write_pattern(std::vector{make_pattern_page({})}, folder_ / "sheet.pdf"); },
+                                   ExitStatus::kWorkFailed);
   EXPECT_NE(line.find("No space left"), std::string::npos) << line;
   EXPECT_FALSE(fs::exists(folder_ / "sheet.pdf"));
 }

@@ -39,7 +39,8 @@ struct Outcome {
 
 Outcome run_and_count(const std::string& recording, Solver solver, bool tracking) {
   RecordingSource source(recording, {});
-  Localiser localiser(read_camera_file(recording_camera_file(recording)), {.solver = solver, .tracking = tracking});
+  Localiser localiser(read_camera_file(recording_camera_file(recording)),
+                      {.seeker = {.solver = solver}, .tracking = tracking});
   Mailbox<Report> reports;
   Mailbox<Health> health;
   SimulatedPanTilt servos(straight_axes(), {});

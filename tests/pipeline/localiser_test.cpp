@@ -45,7 +45,7 @@ class LocaliserWithEachSolver : public testing::TestWithParam<Solver> {};
 TEST_P(LocaliserWithEachSolver, FillsEveryFieldOfTheReportOfAFrameThatShowsTheLandmark) {
   const test::Scene scene = scene_at(1.5);
   const test::Picture picture = test::render(scene, 1);
-  Localiser unit(CameraModel{}, {.solver = GetParam(), .map = LandmarkMap({{7, "", {}}})});
+  Localiser unit(CameraModel{}, {.seeker = {.solver = GetParam()}, .map = LandmarkMap({{7, "", {}}})});
   Report report;
   test::process_picture(unit, picture.view(), MonoTime(5s), 42, report);
   EXPECT_TRUE(report.valid && report.found && report.calibrated);
@@ -74,7 +74,7 @@ TEST_P(LocaliserWithEachSolver, FillsEveryFieldOfTheReportOfAFrameThatShowsTheLa
 
 TEST_P(LocaliserWithEachSolver, TracksFromTheSecondFrameOnAndFindsTheSamePose) {
   const test::Picture picture = test::render(scene_at(1.5), 1);
-  Localiser unit(CameraModel{}, {.solver = GetParam()});
+  Localiser unit(CameraModel{}, {.seeker = {.solver = GetParam()}});
   Report first, second;
   test::process_picture(unit, picture.view(), MonoTime(1s), 0, first);
   second = first;
@@ -173,7 +173,7 @@ TEST(Localiser, GoesOnWithTheNextGuessWhereAFrameSpentItsPixels) {
 
 TEST_P(LocaliserWithEachSolver, NeverTracksWhenToldNotTo) {
   const test::Picture picture = test::render(scene_at(1.5), 1);
-  Localiser unit(CameraModel{}, {.solver = GetParam(), .tracking = false});
+  Localiser unit(CameraModel{}, {.seeker = {.solver = GetParam()}, .tracking = false});
   Report first, second;
   test::process_picture(unit, picture.view(), MonoTime(1s), 0, first);
   second = first;
@@ -185,7 +185,7 @@ TEST_P(LocaliserWithEachSolver, NeverTracksWhenToldNotTo) {
 TEST_P(LocaliserWithEachSolver, KeepsTheLastPoseButNotItsValidityWhenTheLandmarkIsGoneAndFindsItAgain) {
   const test::Picture with = test::render(scene_at(1.5), 1);
   const test::Picture without = empty_wall();
-  Localiser unit(CameraModel{}, {.solver = GetParam()});
+  Localiser unit(CameraModel{}, {.seeker = {.solver = GetParam()}});
   Report report;
   test::process_picture(unit, with.view(), MonoTime(1s), 0, report);
   const Report before = report;
@@ -210,7 +210,7 @@ TEST_P(LocaliserWithEachSolver, FindsTheLandmarkAnywhereWhenItJumpedOutOfItsTrac
   const test::Picture here = test::render(scene, 1);
   scene.camera = test::look_at_landmark({.distance_m = 1.2, .tilt_rad = 0.4, .off_axis_x_rad = 0.25});
   const test::Picture there = test::render(scene, 2);
-  Localiser unit(CameraModel{}, {.solver = GetParam()});
+  Localiser unit(CameraModel{}, {.seeker = {.solver = GetParam()}});
   Report report;
   test::process_picture(unit, here.view(), MonoTime(1s), 0, report);
   test::process_picture(unit, there.view(), MonoTime(2s), 1, report);
@@ -220,7 +220,7 @@ TEST_P(LocaliserWithEachSolver, FindsTheLandmarkAnywhereWhenItJumpedOutOfItsTrac
 
 TEST_P(LocaliserWithEachSolver, AFrameOfAnotherSizeIsNotValidAndSaysSo) {
   const test::Picture picture = test::render(scene_at(1.5), 1);
-  Localiser unit(CameraModel{}, {.solver = GetParam()});
+  Localiser unit(CameraModel{}, {.seeker = {.solver = GetParam()}});
   Report report;
   test::process_picture(unit, picture.view(), MonoTime(1s), 0, report);
   ImageView half = picture.view();
@@ -233,7 +233,7 @@ TEST_P(LocaliserWithEachSolver, AFrameOfAnotherSizeIsNotValidAndSaysSo) {
 TEST_P(LocaliserWithEachSolver, PlacesTheCameraInTheWorldByTheMap) {
   const test::Picture picture = test::render(scene_at(1.5), 1);
   const auto T_world_landmark = place_upright({10, 20, 1.2}, 0.5);
-  Localiser unit(CameraModel{}, {.solver = GetParam(), .map = LandmarkMap({{0, "", T_world_landmark}})});
+  Localiser unit(CameraModel{}, {.seeker = {.solver = GetParam()}, .map = LandmarkMap({{0, "", T_world_landmark}})});
   Report report;
   test::process_picture(unit, picture.view(), MonoTime(1s), 0, report);
   ASSERT_TRUE(report.valid);

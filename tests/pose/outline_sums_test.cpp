@@ -43,7 +43,8 @@ TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
   const CameraModel camera;
   const RayTable rays(camera);
   OutlinePixels pixels(12000);
-  collect_outline_pixels(picture.view(), camera, rays, LandmarkGeometry{}, state.T_camera_landmark, 3, 1, {}, pixels);
+  collect_outline_pixels(picture.view(), camera, rays, LandmarkGeometry{}, state.T_camera_landmark, 3, 1, {}, {},
+                         pixels);
   ASSERT_GE(pixels.groups.size(), kDotCount);
 
   UnknownVector gradient = UnknownVector::Zero();
@@ -55,6 +56,11 @@ TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
     gradient += fit.gradient;
     normal += fit.normal;
   }
+  // From the sheet's axes to the camera's, which a step is along.
+  UnknownMatrix turn = UnknownMatrix::Identity();
+  turn.block<3, 3>(0, 0) = turn.block<3, 3>(3, 3) = state.T_camera_landmark.rotation;
+  gradient = (turn * gradient).eval();
+  normal = (turn * normal * turn.transpose()).eval();
   // Steps that move outlines by about a hundredth of a pixel.
   const std::array<double, kUnknowns> steps{1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-4, 0.01, 0.01, 0.01, 0.01};
   for (int k = 0; k < kUnknowns; ++k) {

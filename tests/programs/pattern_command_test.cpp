@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "base/startup_error.h"
+#include "config/config_checks.h"
 #include "programs/commands/commands.h"
+#include "world/landmark_codes.h"
 
 namespace ninedot {
 namespace {
@@ -37,6 +39,7 @@ class PatternCommandLine : public testing::Test {
     std::ifstream file(out_, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
   }
+  void use_pdf() { out_.replace_extension(".pdf"); }
   void expect_wrong_usage(const std::vector<std::string>& words) {
     try {
       written_by(words);
@@ -75,17 +78,72 @@ TEST_F(PatternCommandLine, TakesACodeThatHasNoNumber) {
   EXPECT_TRUE(has(written_by({"--code", "KKKKKKKR"}), "ninedot landmark, code KKKKKKKR"));
 }
 
+TEST_F(PatternCommandLine, PrintsWhatAConfigurationTakes) {
+  use_pdf();
+  written_by({"--id", "3", "9-10", "0"});
+  ConfigProblems problems;
+  const Config config = parse_config(printed_, "printed", problems);
+  ASSERT_EQ(config.landmarks.size(), 4U);
+  const int ids[] = {3, 9, 10, 0};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(config.landmarks[i].id, ids[i]);
+    EXPECT_EQ(config.landmarks[i].code, known_code(ids[i]).value());
+  }
+  written_by({"--code", "KKKKKRGR"});
+  EXPECT_EQ(parse_config(printed_, "printed", problems).landmarks.at(0).code, "KKKKKRGR");
+}
+
+TEST_F(PatternCommandLine, TakesSeveralLandmarksInMoreThanOneWay) {
+  use_pdf();
+  const std::string pdf = written_by({"--id", "1", "2", "3"});
+  EXPECT_TRUE(has(pdf, "/Count 3"));
+  EXPECT_EQ(written_by({"--ids", "1-3"}), pdf);
+  EXPECT_EQ(written_by({"--id", "1,2-3"}), pdf);
+}
+
+TEST_F(PatternCommandLine, TakesAllLandmarksOfAMapByRisingIdAfterTheContents) {
+  use_pdf();
+  const std::string config = out_.string() + ".toml";
+  std::ofstream(config) << "[landmark]\nring_radius_mm = 70\n[[landmarks]]\nid = 12\ncode = \"KRGBKKRB\"\n"
+                           "position_mm = [1500, 2, 3]\n[[landmarks]]\nid = 4\n";
+  const std::string pdf = written_by({"--all", "--config", config});
+  EXPECT_TRUE(has(pdf, "/Count 3"));
+  EXPECT_TRUE(has(pdf, "(2 sheets: ring radius 70 mm, dots 25.4 mm, centre dot 50.8 mm in diameter)"));
+  EXPECT_TRUE(has(pdf, "(1500.0)"));
+  const std::size_t first = pdf.find("(ninedot landmark 4, black and white)");
+  const std::size_t second = pdf.find("(ninedot landmark 12, code KRGBKKRB)");
+  EXPECT_LT(first, second);
+  EXPECT_NE(second, std::string::npos);
+  std::ofstream(config) << "[camera]\n";
+  EXPECT_TRUE(has(written_by({"--all", "--config", config}), "(ninedot landmark 0, black and white)"));
+  std::ofstream(config) << "[[landmarks]]\nid = 4\ncode = \"RRRRRRRR\"\n";
+  fs::remove(out_);
+  expect_wrong_usage({"--all", "--config", config});
+  fs::remove(config);
+}
+
 TEST_F(PatternCommandLine, TakesPaperAndLengthsAndPrintsTheConfiguration) {
   const std::string svg = written_by(
       {"--sheet", "a3", "--ring-radius-mm", "110", "--dot-diameter-mm", "35", "--centre-diameter-mm", "70.5"});
   EXPECT_TRUE(has(svg, "width=\"297mm\" height=\"420mm\""));
   EXPECT_TRUE(has(svg, "r=\"35.25\""));
-  EXPECT_TRUE(has(printed_, "ring_radius_mm = 110\n  dot_diameter_mm = 35\n  centre_diameter_mm = 70.5\n"));
+  EXPECT_TRUE(has(printed_, "ring_radius_mm = 110\ndot_diameter_mm = 35\ncentre_diameter_mm = 70.5\n"));
 }
 
+TEST_F(PatternCommandLine, RefusesSeveralPagesInAnSvg) { expect_wrong_usage({"--id", "1", "2"}); }
+
 TEST_F(PatternCommandLine, RefusesWrongUsageAndWritesNothing) {
-  const std::vector<std::vector<std::string>> wrong{{"--id", "6"},
+  use_pdf();
+  const std::vector<std::vector<std::string>> wrong{{"--id", "161"},
+                                                    {"--id", "1-161"},
+                                                    {"--id", "1", "1"},
+                                                    {"--id", "3-1"},
+                                                    {"--id", "1-"},
+                                                    {"--id", "1-2-3"},
+                                                    {"--id", "one"},
+                                                    {"--id", "99999999999"},
                                                     {"--id", "-1"},
+                                                    {"--all", "--config", "nowhere.toml"},
                                                     {"--code", "KRGB"},
                                                     {"--code", ""},
                                                     {"--code", "KRKRKRKR"},
@@ -96,6 +154,10 @@ TEST_F(PatternCommandLine, RefusesWrongUsageAndWritesNothing) {
   for (const auto& words : wrong) expect_wrong_usage(words);
   EXPECT_THROW(written_by({"--id", "1", "--code", "KRGBKKRB"}), CLI::ParseError);
   EXPECT_THROW(written_by({"--ring-radius-mm", "wide"}), CLI::ParseError);
+  EXPECT_THROW(written_by({"--all"}), CLI::ParseError) << "of which configuration";
+  EXPECT_THROW(written_by({"--config", "a.toml"}), CLI::ParseError);
+  EXPECT_THROW(written_by({"--all", "--config", "a.toml", "--id", "1"}), CLI::ParseError);
+  EXPECT_THROW(written_by({"--all", "--config", "a.toml", "--dot-diameter-mm", "9"}), CLI::ParseError);
   EXPECT_THROW(run({"pattern"}), CLI::ParseError) << "--out is required";
   EXPECT_THROW(run({"pattern", "--out", "landmark.png"}), StartupError);
   EXPECT_FALSE(fs::exists(out_));

@@ -135,7 +135,7 @@ TEST_F(Commands, CheckNamesTheLineOfWhatTheServiceWouldRefuse) {
               std::string::npos);
   EXPECT_EQ(refusal(camera() + "[modbus.tcp]\nlisten = \"203.0.113.7\""),
             "c.toml:4: 203.0.113.7 port 1502: Cannot assign requested address");
-  EXPECT_EQ(refusal(camera() + "[[landmarks]]\nid = 1\ncode = \"KRGBKKRB\"").substr(0, 9), "c.toml:3:");
+  EXPECT_EQ(refusal(camera() + "[[landmarks]]\nid = 1\ncode = \"RRRRRRRR\"").substr(0, 9), "c.toml:5:");
 }
 
 TEST_F(Commands, CheckSaysAllThatIsWrongInTheOrderOfTheFile) {

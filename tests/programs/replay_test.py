@@ -57,6 +57,36 @@ class Replay(unittest.TestCase):
             self.assertAlmostEqual(time_s * 1e9, int(pose["timestamp_ns"]), delta=1000)
             self.assertAlmostEqual(x_m * 1000, float(pose["x_mm"]), places=5)
 
+    def in_the_world(self, *arguments):
+        """Rows of --out, --out-world and --out-track."""
+        names = [self.folder / name for name in ("poses.csv", "world.csv", "track.csv")]
+        result = run("ninedot", "replay", APPROACH, *arguments, "--out", names[0], "--out-world", names[1], "--out-track", names[2])
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return [without_times(name.read_text()) for name in names]
+
+    def test_of_one_landmark_at_the_origin_the_world_is_the_landmark(self):
+        poses, world, track = self.in_the_world()
+        valid = [row for row in poses if row["valid"] == "1"]
+        self.assertGreater(len(valid), 10)
+        self.assertEqual([row["frame"] for row in world], [row["frame"] for row in valid])
+        for pose, row in zip(valid, world):
+            for name in ("x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz", "sigma_x_mm", "sigma_rot_deg"):
+                self.assertAlmostEqual(float(row[name]), float(pose[name]), places=3)
+            self.assertEqual((row["landmarks_used"], row["landmarks_rejected"]), ("1", ""))
+        self.assertGreaterEqual(len(track), len(world) - 1)
+        self.assertIn("vx_mm_s", track[0])
+
+    def test_the_body_is_where_the_camera_sits_on_it(self):
+        config = self.folder / "body.toml"
+        config.write_text('[body]\ncamera_mm = [0, 0, 1000]\n')
+        _, cameras, _ = self.in_the_world("--config", config)
+        _, bodies, tracked = self.in_the_world("--config", config, "--frame", "body")
+        for camera, body in zip(cameras, bodies):
+            apart_mm = sum((float(camera[name]) - float(body[name])) ** 2 for name in ("x_mm", "y_mm", "z_mm")) ** 0.5
+            self.assertAlmostEqual(apart_mm, 1000, places=2)
+            self.assertGreater(float(camera["z_mm"]), float(body["z_mm"]) + 900, "the camera stands above it")
+        self.assertGreater(len(tracked), 10)
+
     def test_in_real_time_no_row_differs_from_its_frame_s_own_time(self):
         times = {row["frame"]: row["timestamp_ns"] for row in without_times(run("ninedot", "replay", APPROACH).stdout)}
         rows = without_times(run("ninedot", "replay", APPROACH, "--realtime").stdout)

@@ -34,7 +34,8 @@ class StandardOutputThatIsFull(unittest.TestCase):
                         ("status", "--watch", "--json", *at), ("aim", "--follow", *at), ("aim", "--pan-deg", "5", *at)]
             known = re.findall(r"^  (\w+) ", run("ninedot", "--help").stdout.split("Subcommands:")[1], re.M)
             self.assertGreater(len(known), 5)
-            self.assertEqual(set(known), {command[0] for command in commands} - {"--help", "--version"})
+            # `map` writes a file, and what it tells goes to standard error.
+            self.assertEqual(set(known) - {"map"}, {command[0] for command in commands} - {"--help", "--version"})
             for command in commands:
                 with self.subTest(command), open("/dev/full", "w") as full:
                     result = subprocess.run([BIN / "ninedot", *command], stdin=subprocess.DEVNULL, stdout=full,

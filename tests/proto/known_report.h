@@ -32,6 +32,7 @@ inline WireReport known_report(MonoTime now) {
   report.sigma_world_deg = {0.0005 * kDegPerRad, 0.001 * kDegPerRad, 0.002 * kDegPerRad};
   report.ambiguity = 0.123;
   report.rival_odds = 0.12;
+  report.landmarks_seen = 3, report.landmarks_rejected = 1, report.last_rejected_id = 12;
   report.rival_in_world = {{-321.5, 4000.25, 17}, {std::cos(0.65), -0.3 * s, 0.4 * s, 1.2 * s}};
   report.rms_px = 0.0456;
   report.dots_used = 9;

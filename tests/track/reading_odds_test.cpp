@@ -27,10 +27,10 @@ PoseCandidate reading(const CameraFromLandmark& T, double chi2_above = 0, double
 }
 
 ReadingOdds weigh(std::initializer_list<PoseCandidate> list, const UprightPrior& upright = {},
-                  const NumberingCosts& past = {}, double mirror_before = 0) {
+                  const NumberingCosts& past = {}) {
   PoseCandidates candidates;
   for (const PoseCandidate& candidate : list) EXPECT_TRUE(candidates.list.try_push_back(candidate));
-  return weigh_readings(candidates, 0, past, mirror_before, {}, upright);
+  return weigh_readings(candidates, 0, past, {}, &upright);
 }
 
 constexpr double kLean_rad = 0.3;
@@ -92,12 +92,6 @@ TEST(ReadingOdds, AreNumbersHoweverSureTheMountIsAndHoweverWrong) {
   EXPECT_NEAR(odds.ambiguity, 1, 1e-9);
   ASSERT_TRUE(odds.rival.has_value());
   EXPECT_TRUE(odds.rival->odds > 0.1 && odds.rival->odds <= 1) << odds.rival->odds;
-}
-
-TEST(ReadingOdds, WhatWasNotLookedAtKeepsItsWeight) {
-  const ReadingOdds odds = weigh({reading(sheet_at(kLean_rad, 0))}, {}, {}, 0.02);
-  EXPECT_NEAR(odds.ambiguity, 0.02 / 1.02, 1e-9);
-  EXPECT_EQ(odds.mirror_weight, 0.02);
 }
 
 }  // namespace

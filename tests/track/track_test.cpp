@@ -42,9 +42,9 @@ PoseCandidates readings(std::initializer_list<PoseCandidate> list) {
   return candidates;
 }
 
-std::size_t taken(Track& track, PoseCandidates candidates, MonoTime at, bool looked = true) {
+std::size_t taken(Track& track, PoseCandidates candidates, MonoTime at) {
   track.see({});
-  const auto chosen = track.take(candidates, looked, at);
+  const auto chosen = track.take(candidates, at);
   EXPECT_TRUE(chosen.has_value());
   return chosen.value_or(99);
 }
@@ -114,24 +114,13 @@ TEST(Track, NeverChoosesAReadingThatWasNotRefined) {
   EXPECT_EQ(taken(track, readings({reading(mirror), rough}), MonoTime(2s)), 0U);
 }
 
-TEST(Track, KeepsTheLosersOddsUntilTheyAreLookedAtAgain) {
+TEST(Track, KeepsTheLosersOdds) {
   Track track({.focal_px = kFocal_px});
   PoseCandidates two = readings({reading(sheet_at(0.3)), reading(sheet_at(-0.3), 4)});
   track.see({});
-  ASSERT_TRUE(track.take(two, true, MonoTime(1s)).has_value());
+  ASSERT_TRUE(track.take(two, MonoTime(1s)).has_value());
   const double odds = std::exp(-2.0) / (1 + std::exp(-2.0));
   EXPECT_NEAR(two.list[0].pose.ambiguity, odds, 1e-6);
-  EXPECT_TRUE(track.must_look_at_mirror());
-  PoseCandidates one = readings({reading(sheet_at(0.3))});
-  ASSERT_TRUE(track.take(one, false, MonoTime(2s)).has_value());
-  EXPECT_NEAR(one.list[0].pose.ambiguity, odds, 1e-6) << "nobody has looked";
-}
-
-TEST(Track, LooksAtAnExcludedMirrorImageEveryFourthFrame) {
-  Track track({.focal_px = kFocal_px});
-  taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));
-  for (int i = 0; i < 3; ++i) EXPECT_FALSE(track.must_look_at_mirror()) << i;
-  EXPECT_TRUE(track.must_look_at_mirror());
 }
 
 TEST(Track, RefusesFollowedOutlinesWithFewerDotsOrAWorseFit) {
@@ -183,7 +172,7 @@ TEST(Track, WhatItsWaySaidOfItsNumbersSaysNothingOfALandmarkThatJumpedToOthers) 
   const auto ambiguity = [](Track& track, double roll_deg, MonoTime at) {
     PoseCandidates one = readings({reading(rolled(roll_deg))});
     track.see({});
-    EXPECT_TRUE(track.take(one, true, at).has_value());
+    EXPECT_TRUE(track.take(one, at).has_value());
     return one.list[0].pose.ambiguity;
   };
   Track track({.focal_px = kFocal_px}), fresh({.focal_px = kFocal_px});
@@ -215,7 +204,7 @@ TEST(Track, APoseOfNoUseEndsIt) {
   PoseCandidates broken = readings({reading(sheet_at(0.3))});
   broken.list[0].pose.covariance(2, 2) = 0;
   track.see({});
-  const auto chosen = track.take(broken, true, MonoTime(2s));
+  const auto chosen = track.take(broken, MonoTime(2s));
   ASSERT_FALSE(chosen.has_value());
   EXPECT_EQ(chosen.error().code, Errc::kPoseDegenerate);
   EXPECT_EQ(track.prior(), nullptr);

@@ -1,0 +1,118 @@
+#include "pipeline/landmark_seeker.h"
+
+#include <array>
+
+#include "detect/numbering.h"
+#include "pose/observation_of_pose.h"
+
+namespace ninedot {
+namespace {
+
+// Of a landmark that was in two frames: 0.05 px of noise each, 35 frames a second, at a focal length of 600 px.
+constexpr double kFollowedRate_rad_s = 0.004;
+// Of a camera of which nothing is known: a robot that turns at 40 degrees per second.
+constexpr double kUnknownRate_rad_s = 0.7;
+
+}  // namespace
+
+LandmarkSeeker::LandmarkSeeker(const CameraModel& camera, const SeekerOptions& options)
+    : options_(options),
+      camera_(camera),
+      detector_(camera, options.landmark, options.detector),
+      full_(camera, options.landmark),
+      ellipse_(camera, options.landmark, options.ellipse) {}
+
+void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget,
+                           const std::optional<CameraTwist>& twist) noexcept {
+  const auto row_time = frame.row_time.count() > 0 ? frame.row_time : options_.row_time;
+  row_time_s_ = std::chrono::duration<double>(row_time).count();
+  twist_ = twist;
+  noise_ = PictureNoise(frame.luma);
+  budget_ = budget;
+  misfit_.reset();
+}
+
+SheetMotion LandmarkSeeker::motion_of(const Track& track, const Eigen::Vector3d& t_camera_m) const noexcept {
+  if (row_time_s_ == 0) return {};
+  SheetMotion motion = track.motion() ? *track.motion() : twist_ ? twist_->of_sheet_at(t_camera_m) : SheetMotion{};
+  motion.row_time_s = row_time_s_;
+  motion.middle_row_px = 0.5 * (camera_.height_px - 1);
+  return motion;
+}
+
+RowUncertainty LandmarkSeeker::row_uncertainty(const Track& track) const noexcept {
+  if (row_time_s_ == 0) return {};
+  const double rate_sigma_rad_s = track.motion() ? kFollowedRate_rad_s
+                                  : twist_       ? twist_->rate_sigma_rad_s
+                                                 : kUnknownRate_rad_s;
+  return {rate_sigma_rad_s, row_time_s_, 0.5 * (camera_.height_px - 1)};
+}
+
+FitAllowance LandmarkSeeker::allowance(bool is_foretold) const noexcept {
+  if (!options_.has_map) return {};
+  return {is_foretold ? kForetoldMisfit_px : 0, kColouredSize};
+}
+
+Result<std::size_t> LandmarkSeeker::follow_outlines(const Frame& frame, Track& track) noexcept {
+  const auto untrackable = fail(Errc::kNoLandmark, "its outlines can't be foretold well enough");
+  if (options_.solver != Solver::kFull || !track.may_follow_outlines()) return untrackable;
+  const CameraFromLandmark expected = track.expected_at(frame.exposed_at());
+  const SheetMotion motion = motion_of(track, expected.translation_m);
+  NINEDOT_TRY(candidates_, full_.follow(frame.luma, expected, *track.prior(), budget_.pixels, motion));
+  const PoseCandidate& followed = candidates_.list[0];
+  if (!track.accepts(followed, frame.exposed_at()) || !fits_picture(followed, noise_, allowance(true)))
+    return fail(Errc::kNoLandmark, "the landmark is not as it was");
+  track.see(observation_of(as_exposed(followed.outlines.T_camera_landmark, motion, camera_), followed.visible_share,
+                           camera_, options_.landmark));
+  return track.take(candidates_, frame.exposed_at());
+}
+
+Result<std::size_t> LandmarkSeeker::detect_near_track(const Frame& frame, Track& track) noexcept {
+  // The window's margin holds what a rolling shutter makes of the forecast.
+  NINEDOT_TRY(const LandmarkObservation seen,
+              detector_.find_landmark_near(frame.luma, track.forecast(frame.exposed_at()), budget_));
+  return solve(frame, seen, track.prior(), track, true);
+}
+
+Result<std::size_t> LandmarkSeeker::solve_guess(const Frame& frame, LandmarkObservation seen, Track& track) noexcept {
+  // Only the priors have numbered it.
+  if (const auto known = track.remembered(frame.exposed_at()))
+    if (const auto first = first_dot_by_forecast(seen.H_ray_plane, known->H_ray_plane, options_.landmark))
+      seen = renumbered(seen, *first);
+  return solve(frame, seen, nullptr, track);
+}
+
+Result<std::size_t> LandmarkSeeker::look_at(const Frame& frame, const CameraFromLandmark& T_camera_landmark,
+                                            Track& track) noexcept {
+  const SheetMotion motion = motion_of(track, T_camera_landmark.translation_m);
+  std::array<double, kDotCount> all_visible;
+  all_visible.fill(1);
+  return solve(frame,
+               observation_of(as_exposed(T_camera_landmark, motion, camera_), all_visible, camera_, options_.landmark),
+               nullptr, track, true);
+}
+
+Result<std::size_t> LandmarkSeeker::solve(const Frame& frame, const LandmarkObservation& seen, const PosePrior* prior,
+                                          Track& track, bool is_foretold) noexcept {
+  const bool full = options_.solver == Solver::kFull;
+  const double scale = 0.5 * (seen.H_ray_plane.col(0).norm() + seen.H_ray_plane.col(1).norm());
+  const SheetMotion motion = motion_of(track, seen.H_ray_plane.col(2) / scale);
+  const auto answer = full ? full_.solve(frame.luma, seen, prior, budget_.pixels, motion) : ellipse_.solve(seen);
+  if (!answer) {
+    if (answer.error().code == Errc::kPoseDegenerate) track.see(seen);
+    return tl::unexpected<Error>(answer.error());
+  }
+  candidates_ = *answer;
+  const PoseCandidate& best = candidates_.list[0];
+  // The closed form looks at centres alone: whether there are outlines of a landmark is asked of the picture apart.
+  const Result<PoseCandidate> examined =
+      full ? best : full_.examine(frame.luma, best.pose.T_landmark_camera.inverse(), budget_.pixels, motion);
+  if (!examined || !fits_picture(*examined, noise_, allowance(is_foretold))) {
+    if (!misfit_ && is_publishable(best.pose)) misfit_ = candidates_;
+    return fail(Errc::kNoLandmark, "the picture does not fit a landmark");
+  }
+  track.see(seen);
+  return track.take(candidates_, frame.exposed_at());
+}
+
+}  // namespace ninedot

@@ -1,0 +1,102 @@
+#pragma once
+/// The ways from one picture to one landmark's pose: along its outlines where its track foretells them, by its dots
+/// near there, or from dots that a search of the whole picture has found. What it needs of memory is scratch; what
+/// lasts from frame to frame is each landmark's own track.
+#include <chrono>
+#include <optional>
+
+#include "detect/detector.h"
+#include "image/frame.h"
+#include "image/noise.h"
+#include "pipeline/sighting_uncertainty.h"
+#include "pose/ellipse_solver.h"
+#include "pose/full_solver.h"
+#include "pose/pose_of_outlines.h"
+#include "report/report.h"
+#include "track/track.h"
+
+namespace ninedot {
+
+struct SeekerOptions {
+  LandmarkGeometry landmark{};
+  DetectorOptions detector{};
+  Solver solver = Solver::kFull;
+  EllipseCalibration ellipse{};
+  bool has_map = false;  ///< dots may have colours, and what a track foretells is known by its place in the map
+  std::chrono::nanoseconds row_time{};  ///< of a rolling shutter, where the frames themselves don't tell; 0: none
+};
+
+/// How the camera moves, in its own axes.
+struct CameraTwist {
+  Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
+  double rate_sigma_rad_s = 0;  ///< of the angular velocity, 1-sigma over all axes
+
+  /// How a sheet that hangs still moves before it then; rows all at once. \param t_camera_m  the sheet's origin
+  SheetMotion of_sheet_at(const Eigen::Vector3d& t_camera_m) const noexcept {
+    return {-angular_velocity_rad_s, -angular_velocity_rad_s.cross(t_camera_m) - velocity_m_s};
+  }
+};
+
+/// Memory: everything is allocated by the constructor. Threads: one caller.
+class LandmarkSeeker {
+ public:
+  LandmarkSeeker(const CameraModel& camera, const SeekerOptions& options);
+
+  /// A new picture. \param budget  what it may cost
+  /// \param twist  how the camera moves, where that is known; none: a landmark's own track tells it
+  void begin(const Frame& frame, const WorkBudget& budget, const std::optional<CameraTwist>& twist = {}) noexcept;
+
+  /// How a sheet moves while the rows are exposed. \param track  its own \param t_camera_m  where it is, about
+  SheetMotion motion_of(const Track& track, const Eigen::Vector3d& t_camera_m) const noexcept;
+  /// How well that is known.
+  RowUncertainty row_uncertainty(const Track& track) const noexcept;
+
+  // What a way to the pose has found, chosen and judged to fit the picture, goes into the track and `candidates`.
+  // Errors are those of the detector and of the solvers.
+
+  /// \param frame  the one that `begin` was given; likewise below
+  /// \return  index of the chosen candidate [1]; likewise below
+  /// \error kNoLandmark: the outlines can't be foretold well enough, or are not there
+  Result<std::size_t> follow_outlines(const Frame& frame, Track& track) noexcept;
+  /// \return  index [1]
+  Result<std::size_t> detect_near_track(const Frame& frame, Track& track) noexcept;
+  /// \param prior  null: nothing was known of it in the frame before \return  index [1]
+  Result<std::size_t> solve(const Frame& frame, const LandmarkObservation& seen, const PosePrior* prior, Track& track,
+                            bool is_foretold = false) noexcept;
+  /// What looks like a landmark, though nothing has told yet where it is. What was tracked a moment ago keeps its
+  /// numbers. \return  index [1]
+  Result<std::size_t> solve_guess(const Frame& frame, LandmarkObservation seen, Track& track) noexcept;
+
+  /// By its outlines alone, from where something else foretells it to two pixels: what is too small, too faint or too
+  /// blurred to be seen as dots. \param T_camera_landmark  at the middle row \return  index [1]
+  Result<std::size_t> look_at(const Frame& frame, const CameraFromLandmark& T_camera_landmark, Track& track) noexcept;
+
+  /// Of the last way that led to a pose.
+  const PoseCandidates& candidates() const noexcept { return candidates_; }
+  /// The first since `begin` that looked like a landmark and does not fit the picture.
+  const std::optional<PoseCandidates>& misfit() const noexcept { return misfit_; }
+
+  const CameraModel& camera() const noexcept { return camera_; }
+  Detector& detector() noexcept { return detector_; }
+  WorkBudget& budget() noexcept { return budget_; }
+  const PictureNoise& noise() const noexcept { return noise_; }
+
+ private:
+  FitAllowance allowance(bool is_foretold) const noexcept;
+
+  SeekerOptions options_;
+  CameraModel camera_;
+  Detector detector_;
+  FullSolver full_;
+  EllipseSolver ellipse_;
+  // Of the frame under way.
+  double row_time_s_ = 0;
+  std::optional<CameraTwist> twist_;
+  PictureNoise noise_;
+  WorkBudget budget_;
+  PoseCandidates candidates_;
+  std::optional<PoseCandidates> misfit_;
+};
+
+}  // namespace ninedot

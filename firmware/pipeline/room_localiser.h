@@ -1,0 +1,69 @@
+#pragma once
+/// One frame's path where a map names several landmarks, or coded ones: each landmark in view is followed, new ones are
+/// looked for where the map lets expect them and, now and then, everywhere; colours tell which ones they are; all
+/// together place the camera in the world. The whole path is in `process`.
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/code_identity.h"
+#include "pipeline/localiser.h"
+#include "world/world_solver.h"
+
+namespace ninedot {
+
+/// Memory: everything is allocated by the constructor. Threads: one caller.
+class RoomLocaliser final : public FrameProcessor {
+ public:
+  /// Landmarks in view beyond kMaxLandmarksInView are not followed.
+  RoomLocaliser(const CameraModel& camera, const LocaliserOptions& options);
+
+  const Fix& process(const Frame& frame) noexcept override;
+  const LandmarkObservation* last_observation() const noexcept override;
+
+ private:
+  /// A landmark in view.
+  struct InView {
+    Track track{TrackOptions{}};
+    PoseCandidates candidates;  ///< of the frame under way, with its track's odds
+    std::size_t chosen = 0;     ///< index of the one that is believed [1]
+    std::optional<Identity> identity;
+    std::optional<std::size_t> expected;  ///< who should be there, by the map and the camera's track [1]
+    ShownColours colours;
+    double doubt = 0;          ///< of its identity, since it is known: see CodeIdentity::is_still [1]
+    bool is_fresh = true;      ///< it came into view in this frame
+    bool is_followed = false;  ///< its outlines were where its track foretold them: it is the same sheet
+  };
+
+  std::optional<CameraTwist> twist_at(MonoTime time) const noexcept;
+  void follow(const Frame& frame) noexcept;
+  void look_where_expected(const Frame& frame) noexcept;
+  bool begin_where_expected(const Frame& frame, const CameraFromLandmark& T_camera_landmark,
+                            std::size_t map_index) noexcept;
+  void look_everywhere(const Frame& frame) noexcept;
+  bool begin_to_follow(const Frame& frame, const LandmarkObservation& seen) noexcept;
+  void identify(const Frame& frame) noexcept;
+  void number_by_code(const Frame& frame, InView& landmark) noexcept;
+  WorldVerdict place_in_world(const Frame& frame) noexcept;
+  void report_world(const WorldPose& world, std::span<const SightedLandmark> sighted,
+                    std::span<const std::size_t> which) noexcept;
+  void follow_in_world(const Frame& frame, const WorldPose& world, std::span<const SightedLandmark> sighted) noexcept;
+  void believe_world(InView& landmark, std::size_t map_index, std::size_t turn, const WorldPose& world) noexcept;
+  void add_fix(const InView& landmark, std::size_t map_index, const SightingVerdict& verdict,
+               const WorldPose& world) noexcept;
+  bool is_known(const Eigen::Matrix3d& H_ray_plane) const noexcept;
+
+  const LocaliserOptions options_;
+  CameraModel camera_;
+  LandmarkSeeker seeker_;
+  CodeIdentity codes_;
+  WorldSolver world_;
+  PoseFilter filter_;
+  InlineVector<InView, kMaxLandmarksInView> in_view_;
+  std::vector<std::uint8_t> missed_;  // by landmark of the map: how often it was not where the map lets expect it
+  std::vector<std::uint8_t> wait_;    // frames until it is looked for there again
+  int frames_since_search_ = 0;
+  std::uint32_t frames_cut_ = 0;
+  Fix fix_;
+};
+
+}  // namespace ninedot

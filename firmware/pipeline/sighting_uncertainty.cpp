@@ -1,0 +1,54 @@
+#include "pipeline/sighting_uncertainty.h"
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "world/sighting_fit.h"
+
+namespace ninedot {
+namespace {
+
+double since_s(const RowUncertainty& rows, double row_px) noexcept {
+  return (row_px - rows.middle_row_px) * rows.row_time_s;
+}
+
+}  // namespace
+
+void widen(LandmarkSighting& sighting, const RowUncertainty& rows, const CameraModel& camera) noexcept {
+  if (rows.row_time_s == 0 || rows.rate_sigma_rad_s == 0) return;
+  const double row_px = camera.pixel_from_normalised(sighting.T_camera_landmark.translation_m.hnormalized()).y();
+  const double common = rows.rate_sigma_rad_s * since_s(rows, row_px);
+  int seen = 0;
+  for (const DotSighting& dot : sighting.dots) seen += !dot.information.isZero(0);
+  for (DotSighting& dot : sighting.dots) {
+    if (dot.information.isZero(0)) continue;
+    const double dot_row_px = camera.pixel_from_normalised(dot.ray).y();
+    const double own = rows.rate_sigma_rad_s * (dot_row_px - row_px) * rows.row_time_s;
+    // (A^-1 + v 1)^-1 = (1 + v A)^-1 A; as often as there are dots, since the sum over them takes it for their own.
+    const double variance = seen * (common * common + own * own);
+    dot.information = (Eigen::Matrix2d::Identity() + variance * dot.information).inverse() * dot.information;
+  }
+}
+
+void widen(PoseEstimate& pose, const RowUncertainty& rows, const CameraModel& camera) noexcept {
+  if (rows.row_time_s == 0 || rows.rate_sigma_rad_s == 0) return;
+  const Eigen::Vector3d t_m = pose.T_landmark_camera.inverse().translation_m;
+  const double row_px = camera.pixel_from_normalised(t_m.hnormalized()).y();
+  const double turn_rad = rows.rate_sigma_rad_s * since_s(rows, row_px);
+  // From row to row the picture is sheared by rate times row time times focal length: about as much of a turn.
+  const double shear_rad = rows.rate_sigma_rad_s * rows.row_time_s * camera.fy_px;
+  pose.covariance.topLeftCorner<3, 3>().diagonal().array() +=
+      (turn_rad * turn_rad + shear_rad * shear_rad) * t_m.squaredNorm();
+  pose.covariance.bottomRightCorner<3, 3>().diagonal().array() += turn_rad * turn_rad + shear_rad * shear_rad;
+}
+
+void widen_by_scatter(LandmarkSighting& sighting, const LandmarkGeometry& landmark) noexcept {
+  const auto T_landmark_camera = sighting.T_camera_landmark.inverse();
+  const SightingFit own =
+      fit_of_sighting(sighting, {}, {T_landmark_camera.rotation, T_landmark_camera.translation_m}, landmark);
+  const double per_freedom = own.dots > 3 ? own.chi2 / (2 * own.dots - 6) : 1;
+  if (!(per_freedom > 1)) return;
+  for (DotSighting& dot : sighting.dots) dot.information /= per_freedom;
+}
+
+}  // namespace ninedot

@@ -1,0 +1,32 @@
+#include "world/moved_landmarks.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "base/contract.h"
+
+namespace ninedot {
+
+MovedLandmarks::MovedLandmarks(std::size_t landmarks, int forgiven_after_frames)
+    : to_agree_frames_(landmarks), forgiven_after_frames_(static_cast<std::uint16_t>(forgiven_after_frames)) {
+  EXPECTS(forgiven_after_frames >= 1 && forgiven_after_frames <= std::numeric_limits<std::uint16_t>::max());
+}
+
+bool MovedLandmarks::is_moved(std::size_t landmark) const noexcept {
+  EXPECTS(landmark < to_agree_frames_.size());
+  return to_agree_frames_[landmark] > 0;
+}
+
+void MovedLandmarks::disagrees(std::size_t landmark) noexcept {
+  EXPECTS(landmark < to_agree_frames_.size());
+  to_agree_frames_[landmark] = forgiven_after_frames_;
+}
+
+void MovedLandmarks::agrees(std::size_t landmark) noexcept {
+  EXPECTS(landmark < to_agree_frames_.size());
+  if (to_agree_frames_[landmark] > 0) --to_agree_frames_[landmark];
+}
+
+void MovedLandmarks::clear() noexcept { std::ranges::fill(to_agree_frames_, std::uint16_t{0}); }
+
+}  // namespace ninedot

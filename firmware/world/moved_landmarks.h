@@ -1,0 +1,35 @@
+#pragma once
+/// Which landmarks of the map no longer hang where it says.
+#include <cstdint>
+#include <vector>
+
+namespace ninedot {
+
+/// A landmark that the others have named as moved is not believed again until it has agreed with them for a while;
+/// above all it is not believed when it is seen alone, where nothing would contradict it.
+/// Landmarks are named by their index [1].
+/// Memory: two bytes for each landmark, at construction. Threads: one caller.
+class MovedLandmarks {
+ public:
+  /// One second at 35 frames per second: a sheet that is hung back is believed soon, and one that leans into its place
+  /// for a moment is not. Chosen, not measured.
+  static constexpr int kForgivenAfter_frames = 35;
+
+  /// \param landmarks  of the map \param forgiven_after_frames  >= 1 (contract)
+  explicit MovedLandmarks(std::size_t landmarks, int forgiven_after_frames = kForgivenAfter_frames);
+
+  /// \param landmark  index into the map's landmarks (contract)
+  bool is_moved(std::size_t landmark) const noexcept;
+  /// The others say that it is not in its place, in a frame that leaves no doubt of it. \param landmark  index
+  void disagrees(std::size_t landmark) noexcept;
+  /// The others say that it is in its place. \param landmark  index
+  void agrees(std::size_t landmark) noexcept;
+  /// Forgets all: the map is another one, or someone has looked.
+  void clear() noexcept;
+
+ private:
+  std::vector<std::uint16_t> to_agree_frames_;  // until it is forgiven; 0: it is believed
+  std::uint16_t forgiven_after_frames_;
+};
+
+}  // namespace ninedot

@@ -1,0 +1,76 @@
+#pragma once
+/// What is asked of the world solver, and what it answers.
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "base/inline_vector.h"
+#include "geometry/upright_prior.h"
+#include "world/joint_fit.h"
+
+namespace ninedot {
+
+/// One landmark in view, and what is known of which one it is.
+struct SightedLandmark {
+  LandmarkSighting sighting;
+  /// The other planar solution, where the picture does not exclude it; how much worse it explains the picture:
+  /// difference of chi^2.
+  std::optional<CameraFromLandmark> mirror;
+  double mirror_chi2_above = 0;  ///< [1]
+  /// Coded: index into the map's landmarks(), the dots numbered by the code. None: black and white, it may be each
+  /// black-and-white landmark of the map, in each of eight numberings.
+  std::optional<std::size_t> coded;
+  double others_odds = 0;            ///< coded: that it is another one, or none, 0..1
+  NumberingCosts numbering_costs{};  ///< black and white: against the dot at index k being P1 [1]
+};
+
+/// Where a track expects the camera.
+struct WorldPrior {
+  WorldFromCamera T_world_camera;
+  PoseCovariance covariance = PoseCovariance::Zero();  ///< of a PoseStep [m^2, m rad, rad^2]
+};
+
+/// Whether a pose in the world may be acted on.
+enum class WorldVerdict : std::uint8_t {
+  kValid,
+  kNothingSeen,   ///< no landmark with a place in the map
+  kOnlyMoved,     ///< none but landmarks that were found moved
+  kAmbiguous,     ///< another place of the camera is too likely; or the landmarks contradict each other, and no track
+                  ///< decides
+  kUndetermined,  ///< the dots that are seen determine no pose
+};
+
+enum class SightingUse : std::uint8_t {
+  kUsed,           ///< the pose is made of it
+  kRejected,       ///< its landmark does not hang where the map says
+  kNotIdentified,  ///< no landmark of the map explains it, or several do
+  kNoPlace,        ///< its landmark has no place in the map
+};
+
+/// What became of one sighting; indices and chi^2 [1].
+struct SightingVerdict {
+  SightingUse use = SightingUse::kNotIdentified;
+  std::optional<std::size_t> landmark;  ///< index into the map's landmarks()
+  std::size_t turn = 0;                 ///< index of the sighting's dot that is P1
+  /// Against the pose that all others that are used give: chi^2 of six freedoms, both uncertainties counted. 0 where
+  /// there are no others. [1]
+  double chi2_against_rest = 0;
+};
+
+struct WorldPose {
+  WorldVerdict verdict = WorldVerdict::kNothingSeen;
+  WorldFromCamera T_world_camera;                          ///< the likeliest, valid or not; identity: none
+  PoseCovariance covariance = PoseCovariance::Zero();      ///< of a PoseStep [m^2, m rad, rad^2]
+  double ambiguity = 1;                                    ///< odds of all other places of the camera together, 0..1
+  InlineVector<SightingVerdict, kMaxSightings> sightings;  ///< in the order in which they were given
+  bool agrees_with_prior = true;                           ///< false: there was one, and the landmarks outvoted it
+
+  bool is_valid() const noexcept { return verdict == WorldVerdict::kValid; }
+  std::size_t count(SightingUse use) const noexcept {
+    std::size_t n = 0;
+    for (const SightingVerdict& sighting : sightings) n += sighting.use == use ? 1U : 0U;
+    return n;
+  }
+};
+
+}  // namespace ninedot

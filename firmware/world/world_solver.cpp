@@ -1,0 +1,175 @@
+#include "world/world_solver.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/contract.h"
+#include "world/anonymous.h"
+
+namespace ninedot {
+namespace {
+
+/// Pairs of sightings that are asked whether they agree, in one frame: with 16 in view the seven surest, all with all.
+/// A pair that agrees takes all others in, so that a usual frame asks one; only landmarks that moved make it ask more.
+constexpr int kMaxPairs = 21;
+
+Choice coded_choice(const Scene& scene, std::size_t sighting) noexcept { return {*scene.seen()[sighting].coded}; }
+
+/// Whether some hypothesis has two sightings, or one, in use.
+bool is_covered(const HypothesisList& list, std::size_t a, std::size_t b) noexcept {
+  return std::ranges::any_of(list,
+                             [&](const Hypothesis& h) { return h.choices[a].is_made() && h.choices[b].is_made(); });
+}
+
+int most_used(const HypothesisList& list) noexcept {
+  int most = 0;
+  for (const Hypothesis& hypothesis : list) most = std::max(most, hypothesis.used);
+  return most;
+}
+
+/// Settles all, and drops what is none.
+void settle_all(const Scene& scene, HypothesisList& list) noexcept {
+  std::size_t kept = 0;
+  for (Hypothesis& hypothesis : list)
+    if (settle(scene, hypothesis)) list[kept++] = hypothesis;
+  list.truncate(kept);
+}
+
+/// The likeliest first, and the odds of all other places than its.
+double rank(const Scene& scene, HypothesisList& list) noexcept {
+  std::ranges::sort(list, {}, &Hypothesis::cost);
+  const Hypothesis& best = list[0];
+  double others = 0;
+  for (std::size_t i = 1; i < list.size(); ++i)
+    if (!is_same_place(best, list[i].T_world_camera)) others += std::exp((best.cost - list[i].cost) / 2);
+  // A track that contradicts all that is seen may be right: then all of it hangs elsewhere.
+  if (scene.prior() != nullptr) {
+    double nothing = 0;
+    for (std::size_t i = 0; i < scene.seen().size(); ++i) nothing += scene.leave_out_cost(i);
+    others += std::exp((best.cost - nothing) / 2);
+  }
+  return others / (1 + others);
+}
+
+/// What becomes of a sighting where no place of the camera is found.
+SightingVerdict verdict_alone(const Scene& scene, std::size_t sighting) noexcept {
+  const std::optional<std::size_t>& coded = scene.seen()[sighting].coded;
+  SightingVerdict verdict{.use = SightingUse::kNotIdentified, .landmark = coded};
+  if (coded && !scene.map()[*coded].has_place) verdict.use = SightingUse::kNoPlace;
+  if (scene.is_known_moved(sighting)) verdict.use = SightingUse::kRejected;
+  return verdict;
+}
+
+SightingVerdict verdict_in(const Scene& scene, std::size_t sighting, const Hypothesis& best) noexcept {
+  const Choice& choice = best.choices[sighting];
+  if (choice.is_made()) return {SightingUse::kUsed, choice.landmark, choice.turn, best.against_rest_chi2[sighting]};
+  Choice moved;
+  if (scene.is_known(sighting) || scene.is_known_moved(sighting))
+    moved = coded_choice(scene, sighting);
+  else if (scene.is_anonymous(sighting) && scene.determines_pose(sighting))
+    moved = nearest_unseen(scene, sighting, best);
+  if (!moved.is_made() || !scene.determines_pose(sighting)) return verdict_alone(scene, sighting);
+  return {SightingUse::kRejected, moved.landmark, moved.turn, disagreement_chi2(scene, sighting, moved, best)};
+}
+
+WorldVerdict why_none(const Scene& scene) noexcept {
+  const bool is_only_one_moved =
+      scene.map().anonymous().size() == 1 && !scene.is_believed(scene.map().anonymous().front());
+  bool has_place = false, is_moved = false, is_open = false;
+  for (std::size_t i = 0; i < scene.seen().size(); ++i) {
+    has_place |= scene.is_known(i) || scene.is_known_moved(i) || scene.is_anonymous(i);
+    is_moved |= scene.is_known_moved(i) || (scene.is_anonymous(i) && is_only_one_moved);
+    is_open |= scene.is_anonymous(i) && !is_only_one_moved;
+  }
+  if (is_open) return WorldVerdict::kAmbiguous;
+  if (is_moved) return WorldVerdict::kOnlyMoved;
+  return has_place ? WorldVerdict::kUndetermined : WorldVerdict::kNothingSeen;
+}
+
+}  // namespace
+
+WorldSolver::WorldSolver(std::vector<PlacedLandmark> landmarks, const LandmarkGeometry& landmark,
+                         const WorldOptions& options)
+    : map_(std::move(landmarks)), landmark_(landmark), options_(options), moved_(map_.landmarks().size()) {}
+
+WorldPose WorldSolver::solve(std::span<const SightedLandmark> seen, const WorldPrior* prior) noexcept {
+  EXPECTS(seen.size() <= kMaxSightings);
+  const Scene scene(seen, map_, moved_, landmark_, options_, prior);
+  hypotheses_.clear();
+  start_from_coded(scene);
+  const bool is_complete = add_anonymous(scene);
+  settle_all(scene, hypotheses_);
+  return answer(scene, is_complete);
+}
+
+bool WorldSolver::add_anonymous(const Scene& scene) noexcept {
+  const auto sighted = std::ranges::count_if(scene.by_sureness(), [&](std::size_t i) { return scene.is_anonymous(i); });
+  if (sighted == 0) return true;
+  if (!hypotheses_.empty()) return take_in_anonymous(scene, hypotheses_);
+  if (map_.anonymous().size() == 1) return start_with_the_only_one(scene, hypotheses_);
+  if (scene.prior() != nullptr && start_near_prior(scene, hypotheses_) &&
+      2 * most_used(hypotheses_) > static_cast<int>(sighted))
+    return true;
+  // Without a track, or with one that does not explain what is seen: by the sheets' places among each other.
+  hypotheses_.clear();
+  return sighted >= 2 && start_with_pairs(scene, hypotheses_);
+}
+
+void WorldSolver::start_from_coded(const Scene& scene) noexcept {
+  InlineVector<std::size_t, kMaxSightings> known;
+  for (const std::size_t i : scene.by_sureness())
+    if (scene.is_known(i)) static_cast<void>(known.try_push_back(i));
+  int pairs = 0;
+  for (std::size_t b = 1; b < known.size(); ++b) {
+    for (std::size_t a = 0; a < b && pairs < kMaxPairs; ++a) {
+      // A majority that agrees can't be outvoted by what is left.
+      if (2 * most_used(hypotheses_) > static_cast<int>(known.size())) continue;
+      if (is_covered(hypotheses_, known[a], known[b])) continue;
+      if (scene.seen()[known[a]].coded == scene.seen()[known[b]].coded) continue;  // a sheet and its reflection
+      ++pairs;
+      const std::size_t before = hypotheses_.size();
+      start_with_pair(scene, known[a], coded_choice(scene, known[a]), known[b], coded_choice(scene, known[b]),
+                      hypotheses_);
+      for (std::size_t h = before; h < hypotheses_.size(); ++h)
+        for (const std::size_t i : known)
+          if (!uses(hypotheses_[h], *scene.seen()[i].coded)) try_add(scene, i, coded_choice(scene, i), hypotheses_[h]);
+    }
+  }
+  for (const std::size_t i : known)
+    if (!is_covered(hypotheses_, i, i)) start_alone(scene, i, coded_choice(scene, i), hypotheses_);
+}
+
+WorldPose WorldSolver::answer(const Scene& scene, bool is_complete) noexcept {
+  WorldPose pose;
+  for (std::size_t i = 0; i < scene.seen().size(); ++i)
+    static_cast<void>(pose.sightings.try_push_back(verdict_alone(scene, i)));
+  if (hypotheses_.empty()) {
+    pose.verdict = why_none(scene);
+    return pose;
+  }
+  pose.ambiguity = is_complete ? rank(scene, hypotheses_) : 1;
+  const Hypothesis& best = hypotheses_[0];
+  pose.T_world_camera = best.T_world_camera;
+  pose.covariance = best.normal.llt().solve(PoseInformation::Identity());
+  pose.agrees_with_prior = best.agrees_with_prior;
+  pose.verdict = pose.ambiguity <= options_.max_ambiguity ? WorldVerdict::kValid : WorldVerdict::kAmbiguous;
+  for (std::size_t i = 0; i < scene.seen().size(); ++i) pose.sightings[i] = verdict_in(scene, i, best);
+  if (pose.is_valid()) remember(pose);
+  return pose;
+}
+
+void WorldSolver::remember(const WorldPose& pose) noexcept {
+  for (const SightingVerdict& sighting : pose.sightings) {
+    if (sighting.use != SightingUse::kRejected || !sighting.landmark) continue;
+    // Where it hangs it is seen as well: this is its reflection.
+    if (uses(hypotheses_[0], *sighting.landmark)) continue;
+    if (sighting.chi2_against_rest <= options_.max_disagreement_chi2)
+      moved_.agrees(*sighting.landmark);
+    else
+      moved_.disagrees(*sighting.landmark);
+  }
+}
+
+}  // namespace ninedot

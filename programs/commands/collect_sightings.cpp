@@ -1,0 +1,49 @@
+#include "programs/commands/collect_sightings.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "base/startup_error.h"
+#include "drivers/recording/recording_source.h"
+#include "programs/assembly/localiser_options.h"
+#include "programs/assembly/make_localiser.h"
+#include "programs/assembly/recording_camera.h"
+
+namespace ninedot {
+namespace {
+
+using namespace std::chrono_literals;
+
+bool is_of_use(const LandmarkFix& landmark) {
+  return landmark.verdict == Reason::kNone || landmark.verdict == Reason::kAmbiguous ||
+         landmark.verdict == Reason::kUncertain || landmark.verdict == Reason::kMoved;
+}
+
+}  // namespace
+
+std::vector<RecordedSightings> collect_sightings(
+    const std::string& recording, std::size_t index, const Config& config, const CameraModel& camera,
+    const std::function<void(std::size_t frame, std::size_t frames)>& progress) {
+  RecordingSource source(recording, {});
+  check_picture_size(source, camera, recording);
+  LocaliserOptions options = localiser_options(config);
+  options.search_every = 1;  // there is time, and a landmark that comes into view is worth more here than anywhere else
+  const auto localiser = make_localiser(camera, options);
+  std::vector<RecordedSightings> frames;
+  for (std::size_t count = 0;;) {
+    const Result<FrameLease> lease = source.next(mono_now() + 1s);
+    if (!lease && lease.error().code == Errc::kEndOfStream) return frames;
+    if (!lease && lease.error().code == Errc::kNoFrame) continue;
+    if (!lease)
+      throw StartupError(ExitStatus::kWorkFailed, fmt::format("{}: repair the recording", source.last_failure()));
+    const Fix& fix = localiser->process(lease->frame);
+    RecordedSightings frame{index, lease->frame.number, lease->frame.exposed_at(), {}};
+    for (const LandmarkFix& landmark : fix.landmarks)
+      if (is_of_use(landmark)) frame.list.push_back(landmark.sighting);
+    if (!frame.list.empty()) frames.push_back(std::move(frame));
+    if (progress) progress(++count, source.frame_count());
+  }
+}
+
+}  // namespace ninedot

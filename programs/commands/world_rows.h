@@ -1,0 +1,45 @@
+#pragma once
+/// The CSV files of `ninedot replay --out-world` and `--out-track`: where the camera is in the world, frame by frame.
+///
+/// | column | unit | what |
+/// |---|---|---|
+/// | frame | | the recording's frame number |
+/// | timestamp_ns | ns | middle of the exposure, on the recording's clock |
+/// | x_mm y_mm z_mm | mm | optical centre in the world; of the body its origin |
+/// | qw qx qy qz | | rotates camera (body) vectors into the world (w >= 0) |
+/// | sigma_x_mm sigma_y_mm sigma_z_mm | mm | 1-sigma along the world's axes |
+/// | sigma_rot_deg | deg | 1-sigma of the rotation's angle: root of the sum of its three variances |
+/// | ambiguity | | odds of all other places, 0..1 |
+/// | landmarks_used | | how many the pose is made of; of a track: of this frame's |
+/// | landmarks_rejected | | ids of those that do not hang where the map says, separated by spaces |
+/// | vx_mm_s vy_mm_s vz_mm_s | mm/s | of a track: velocity of the optical centre, in the world |
+#include <optional>
+#include <string>
+
+#include "drivers/posix/output_file.h"
+#include "geometry/body.h"
+#include "image/frame.h"
+#include "pipeline/frame_processor.h"
+
+namespace ninedot {
+
+/// One of the two files. Throws StartupError as OutputFile does. Memory: allocates.
+class WorldRows {
+ public:
+  enum class Kind { kWorld, kTrack };
+  /// \param path  of a file; empty: nothing is written \param body  where the camera sits, to write the body's pose;
+  /// none: the camera's. The head stands as the recording says.
+  WorldRows(const std::string& path, Kind kind, double max_ambiguity, const std::optional<BodyGeometry>& body);
+
+  /// A row where the frame has a pose that may be acted on, none where not.
+  void add(const Frame& frame, const Fix& fix);
+  void finish();
+
+ private:
+  std::optional<OutputFile> file_;
+  Kind kind_;
+  double max_ambiguity_;
+  std::optional<BodyGeometry> body_;
+};
+
+}  // namespace ninedot

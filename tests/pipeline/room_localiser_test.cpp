@@ -1,0 +1,216 @@
+// Several landmarks, and coded ones, from picture to the camera's place in the world.
+#include "pipeline/room_localiser.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <string_view>
+
+#include "base/units.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/colour_renderer.h"
+#include "tests/support/renderer.h"
+
+namespace ninedot {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// On the wall, which is the plane y = 0 of the world; sheets look along +y, and their dots are given from their
+/// middle.
+struct Hung {
+  std::uint16_t id;
+  double x_m, z_m;
+};
+
+test::Sheet sheet_at(const Hung& hung) {
+  test::Sheet sheet = test::nine_dot_sheet();
+  sheet.x_m = hung.x_m, sheet.z_m = hung.z_m;
+  return sheet;
+}
+
+MappedLandmark mapped(const Hung& hung, std::string_view code = "") {
+  return {hung.id, std::string(code), place_upright({hung.x_m, 0, hung.z_m}, 0)};
+}
+
+/// No two pairs of them are alike.
+const Hung kWall[] = {{1, -0.45, 0.05}, {2, 0.0, -0.12}, {3, 0.62, 0.2}};
+
+LandmarkMap map_of_wall() { return LandmarkMap({mapped(kWall[0]), mapped(kWall[1]), mapped(kWall[2])}); }
+
+test::Scene scene_of(std::initializer_list<Hung> hung, const test::Viewpoint& viewpoint) {
+  test::Scene scene;
+  scene.camera = test::look_at_landmark(viewpoint);
+  scene.sheets.clear();
+  for (const Hung& one : hung) scene.sheets.push_back(sheet_at(one));
+  set_noise(scene.sensor, 1.5);
+  return scene;
+}
+
+const test::Viewpoint kFromAside{.distance_m = 2.2, .tilt_rad = 0.4, .azimuth_rad = 0.2};
+
+Frame frame_of(const test::Picture& picture, std::uint64_t number) {
+  Frame frame;
+  frame.number = number;
+  frame.luma = picture.view();
+  frame.set_exposure(MonoTime(5s + number * 28ms));
+  return frame;
+}
+
+double apart_m(const Eigen::Vector3d& p, const test::CameraPose& camera) {
+  return (p - Eigen::Vector3d(camera.position_m[0], camera.position_m[1], camera.position_m[2])).norm();
+}
+
+TEST(RoomLocaliser, PlacesTheCameraByAllSheetsInView) {
+  const test::Scene scene = scene_of({kWall[0], kWall[1], kWall[2]}, kFromAside);
+  const test::Picture picture = test::render(scene, 1);
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_wall()});
+  const Fix& fix = unit.process(frame_of(picture, 1));
+  EXPECT_EQ(fix.reason, Reason::kNone);
+  ASSERT_EQ(fix.landmarks.size(), 3U);
+  for (const LandmarkFix& landmark : fix.landmarks) {
+    const Hung& hung = kWall[landmark.id - 1];
+    const Eigen::Vector3d p = landmark.pose().T_landmark_camera.translation_m + Eigen::Vector3d(hung.x_m, 0, hung.z_m);
+    EXPECT_EQ(landmark.verdict, Reason::kNone);
+    EXPECT_LT(apart_m(p, scene.camera), 0.03) << landmark.id << " is what it is called";
+  }
+  ASSERT_TRUE(fix.world);
+  EXPECT_EQ(fix.world->used.size(), 3U);
+  const double sigma_m = std::sqrt(fix.world->covariance.topLeftCorner<3, 3>().trace());
+  EXPECT_LT(apart_m(fix.world->T_world_camera.translation_m, scene.camera), 3 * sigma_m);
+  EXPECT_LT(sigma_m, 0.004) << "together they are better than each";
+  ASSERT_TRUE(fix.track);
+  EXPECT_LT(apart_m(fix.track->motion.T_world_camera.translation_m, scene.camera), 0.01);
+}
+
+TEST(RoomLocaliser, FollowsThemFromFrameToFrame) {
+  const test::Picture picture = test::render(scene_of({kWall[0], kWall[1], kWall[2]}, kFromAside), 1);
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_wall()});
+  EXPECT_FALSE(unit.process(frame_of(picture, 1)).tracked);
+  for (std::uint64_t number = 2; number < 5; ++number) {
+    const Fix& fix = unit.process(frame_of(picture, number));
+    EXPECT_TRUE(fix.tracked);
+    EXPECT_EQ(fix.landmarks.size(), 3U);
+  }
+}
+
+TEST(RoomLocaliser, NamesASheetThatWasMovedAndDoesWithoutIt) {
+  Hung moved = kWall[1];
+  moved.x_m += 0.15;
+  const test::Scene scene = scene_of({kWall[0], moved, kWall[2]}, kFromAside);
+  const test::Picture picture = test::render(scene, 1);
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_wall()});
+  const Fix& fix = unit.process(frame_of(picture, 1));
+  ASSERT_TRUE(fix.world);
+  EXPECT_EQ(fix.world->used.size(), 2U);
+  ASSERT_EQ(fix.world->rejected.size(), 1U);
+  EXPECT_EQ(fix.world->rejected[0], 2);
+  EXPECT_LT(apart_m(fix.world->T_world_camera.translation_m, scene.camera), 0.02);
+}
+
+TEST(RoomLocaliser, GuessesNothingOfOneSheetAmongThreeAlike) {
+  const test::Picture picture = test::render(scene_of({kWall[1]}, kFromAside), 1);
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_wall()});
+  const Fix& fix = unit.process(frame_of(picture, 1));
+  EXPECT_TRUE(fix.found);
+  EXPECT_FALSE(fix.world);
+  EXPECT_NE(fix.reason, Reason::kNone);
+}
+
+TEST(RoomLocaliser, KnowsOneSheetAmongThreeAlikeOnceItHasSeenTheOthers) {
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_wall()});
+  const test::Picture all = test::render(scene_of({kWall[0], kWall[1], kWall[2]}, kFromAside), 1);
+  for (std::uint64_t number = 1; number < 4; ++number) unit.process(frame_of(all, number));
+  const test::Scene scene = scene_of({kWall[1]}, kFromAside);
+  const test::Picture one = test::render(scene, 2);
+  const Fix& fix = unit.process(frame_of(one, 4));
+  ASSERT_EQ(fix.landmarks.size(), 1U);
+  EXPECT_EQ(fix.main().id, 2);
+  EXPECT_EQ(fix.reason, Reason::kNone);
+  ASSERT_TRUE(fix.world);
+  EXPECT_LT(apart_m(fix.world->T_world_camera.translation_m, scene.camera), 0.03);
+}
+
+test::ColourPicture coded_picture(std::string_view code, const test::Viewpoint& viewpoint, std::uint64_t seed) {
+  test::ColourScene colours;
+  colours.scene = scene_of({{0, 0, 0}}, viewpoint);
+  for (const char letter : code)
+    colours.discs.push_back(letter == 'R'   ? test::linear_of_srgb(190, 40, 50)
+                            : letter == 'G' ? test::linear_of_srgb(40, 140, 70)
+                            : letter == 'B' ? test::linear_of_srgb(40, 70, 160)
+                                            : test::linear_of_srgb(45, 45, 48));
+  colours.discs.push_back(test::linear_of_srgb(45, 45, 48));
+  return test::render_colour(colours, test::ChromaLayout::k420, seed);
+}
+
+Frame frame_of(const test::ColourPicture& picture, std::uint64_t number) {
+  Frame frame = frame_of(picture.luma, number);
+  frame.chroma = picture.chroma();
+  return frame;
+}
+
+LandmarkMap map_of_codes() {
+  return LandmarkMap({mapped({11, 0, 0}, "KRGBKKRB"), mapped({12, 3, 0}, "RRGKBGKB"), mapped({13, 6, 0}, "KKGRRBGB"),
+                      mapped({14, 9, 0})});
+}
+
+/// The roll would have it numbered otherwise, were it black and white.
+TEST(RoomLocaliser, KnowsACodedSheetByItsColoursAtAnyRoll) {
+  for (const double roll_rad : {0.0, 1.7, -2.6}) {
+    test::Viewpoint viewpoint = kFromAside;
+    viewpoint.distance_m = 1.4;
+    viewpoint.roll_rad = roll_rad;
+    const test::ColourPicture picture = coded_picture("KRGBKKRB", viewpoint, 3);
+    RoomLocaliser unit(CameraModel{}, {.map = map_of_codes()});
+    const Fix& fix = unit.process(frame_of(picture, 1));
+    ASSERT_EQ(fix.landmarks.size(), 1U) << roll_rad;
+    EXPECT_EQ(fix.main().id, 11);
+    EXPECT_EQ(fix.reason, Reason::kNone);
+    EXPECT_LT(fix.main().pose().ambiguity, 0.01);
+    EXPECT_LT(apart_m(fix.main().pose().T_landmark_camera.translation_m, test::look_at_landmark(viewpoint)), 0.02);
+    ASSERT_TRUE(fix.world);
+  }
+}
+
+TEST(RoomLocaliser, SaysThatACodeOfAnotherMapIsNoneOfIts) {
+  test::Viewpoint viewpoint = kFromAside;
+  viewpoint.distance_m = 1.4;
+  const test::ColourPicture picture = coded_picture("RKBGGKRB", viewpoint, 3);
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_codes()});
+  for (std::uint64_t number = 1; number < 4; ++number) {
+    const Fix& fix = unit.process(frame_of(picture, number));
+    EXPECT_TRUE(fix.landmarks.empty());
+    EXPECT_EQ(fix.reason, Reason::kNotIdentified);
+    EXPECT_FALSE(fix.world);
+  }
+}
+
+/// In the same place, from one frame to the next.
+TEST(RoomLocaliser, NamesAnewASheetThatWasPutInThePlaceOfAnother) {
+  test::Viewpoint viewpoint = kFromAside;
+  viewpoint.distance_m = 1.4;
+  const test::ColourPicture first = coded_picture("KRGBKKRB", viewpoint, 3);
+  viewpoint.tilt_rad += 0.06;
+  const test::ColourPicture second = coded_picture("RRGKBGKB", viewpoint, 4);
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_codes()});
+  EXPECT_EQ(unit.process(frame_of(first, 1)).main().id, 11);
+  const Fix& fix = unit.process(frame_of(second, 2));
+  ASSERT_EQ(fix.landmarks.size(), 1U);
+  EXPECT_EQ(fix.main().id, 12);
+}
+
+TEST(RoomLocaliser, AllocatesNothing) {
+  const test::Picture picture = test::render(scene_of({kWall[0], kWall[1], kWall[2]}, kFromAside), 1);
+  const test::ColourPicture coded = coded_picture("KRGBKKRB", kFromAside, 3);
+  RoomLocaliser wall(CameraModel{}, {.map = map_of_wall()}), codes(CameraModel{}, {.map = map_of_codes()});
+  const test::AllocationGuard guard;
+  for (std::uint64_t number = 1; number < 14; ++number) {
+    wall.process(frame_of(picture, number));
+    codes.process(frame_of(coded, number));
+  }
+  EXPECT_EQ(guard.allocations(), 0U);
+}
+
+}  // namespace
+}  // namespace ninedot

@@ -1,0 +1,154 @@
+// Landmarks that do not hang where the map says.
+#include <gtest/gtest.h>
+
+#include "tests/world/room.h"
+
+namespace ninedot {
+namespace {
+
+using test::kDeg;
+using test::Random;
+using test::Room;
+
+/// What the camera sees of a room in which one sheet was moved since it was mapped.
+std::vector<SightedLandmark> sightings_with_moved(Random& random, const Room& room, std::size_t moved) {
+  auto seen = test::sightings_of(random, room);
+  seen[moved] = test::sighting_of(random, room.T_world_camera, test::moved_sheet(room.map[moved].T_world_landmark));
+  seen[moved].coded = moved;
+  return seen;
+}
+
+WorldPrior prior_at(const WorldFromCamera& T_world_camera) {
+  WorldPrior prior{.T_world_camera = T_world_camera};
+  prior.covariance.diagonal() << 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4;  // 10 mm, 0.6 degrees
+  return prior;
+}
+
+TEST(WorldMoved, TrueLandmarksAreRejectedAsOftenAsIsSaid) {
+  // At one in a hundred, so that 10,000 trials count it well, and without what no model explains.
+  WorldOptions options;
+  options.max_disagreement_chi2 = 16.812;
+  options.unexplained_share = options.unexplained_tilt_rad = 0;
+  Random random(11);
+  int sightings = 0, rejected = 0, rejected_as_shipped = 0;
+  for (int trial = 0; trial < 10000; ++trial) {
+    const Room room = test::random_room(random, {.landmarks = 3 + trial % 3});
+    const auto seen = test::sightings_of(random, room);
+    sightings += static_cast<int>(seen.size());
+    rejected += static_cast<int>(WorldSolver(room.map, {}, options).solve(seen).count(SightingUse::kRejected));
+    rejected_as_shipped += static_cast<int>(WorldSolver(room.map, {}).solve(seen).count(SightingUse::kRejected));
+  }
+  // 40,000 sightings: 400 +- 20; a little more, for of two that disagree it may be the true one that goes.
+  EXPECT_NEAR(static_cast<double>(rejected) / sightings, 0.01, 0.002);
+  EXPECT_LE(rejected_as_shipped, 10);  // 4 +- 2 without what no model explains, fewer with it
+}
+
+TEST(WorldMoved, ASheetThatWasMovedIsNamedAndTheAnswerStaysRight) {
+  Random random(12);
+  constexpr int kTrials = 2000;
+  int named = 0, right = 0, others_rejected = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Room room = test::random_room(random, {.landmarks = 3 + trial % 4, .nearest_m = 1, .farthest_m = 5});
+    const std::size_t moved = static_cast<std::size_t>(trial) % 3;
+    const WorldPose pose = WorldSolver(room.map, {}).solve(sightings_with_moved(random, room, moved));
+    named += pose.sightings[moved].use == SightingUse::kRejected ? 1 : 0;
+    others_rejected += static_cast<int>(pose.count(SightingUse::kRejected)) -
+                       (pose.sightings[moved].use == SightingUse::kRejected ? 1 : 0);
+    right += pose.is_valid() && test::nees(pose, room.T_world_camera) < 40 ? 1 : 0;
+  }
+  EXPECT_GE(named, kTrials * 999 / 1000);
+  EXPECT_GE(right, kTrials * 998 / 1000);
+  EXPECT_LE(others_rejected, kTrials / 500);
+}
+
+TEST(WorldMoved, TwoThatContradictEachOtherAreNoAnswerUnlessTheTrackDecides) {
+  Random random(13);
+  constexpr int kTrials = 500;
+  int open = 0, decided = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Room room = test::random_room(random, {.landmarks = 2, .farthest_m = 4});
+    const std::size_t moved = static_cast<std::size_t>(trial) % 2;
+    const auto seen = sightings_with_moved(random, room, moved);
+    open += WorldSolver(room.map, {}).solve(seen).verdict == WorldVerdict::kAmbiguous ? 1 : 0;
+    const WorldPrior prior = prior_at(room.T_world_camera);
+    const WorldPose pose = WorldSolver(room.map, {}).solve(seen, &prior);
+    decided += pose.is_valid() && pose.sightings[moved].use == SightingUse::kRejected &&
+                       test::nees(pose, room.T_world_camera) < 40
+                   ? 1
+                   : 0;
+  }
+  EXPECT_EQ(open, kTrials);
+  EXPECT_GE(decided, kTrials * 95 / 100);
+}
+
+TEST(WorldMoved, OneThatContradictsTheTrackIsNoAnswer) {
+  Random random(14);
+  const Room room = test::random_room(random, {.landmarks = 1, .farthest_m = 2});
+  const auto seen = test::sightings_of(random, room);
+  WorldPrior prior = prior_at(room.T_world_camera);
+  prior.T_world_camera.translation_m.x() += 0.3;
+  const WorldPose pose = WorldSolver(room.map, {}).solve(seen, &prior);
+  EXPECT_EQ(pose.verdict, WorldVerdict::kAmbiguous);
+  EXPECT_FALSE(pose.agrees_with_prior);
+}
+
+TEST(WorldMoved, IsRememberedWhereNothingContradictsItAndForgivenAfterItAgreed) {
+  Random random(15);
+  const Room room = test::random_room(random, {.landmarks = 3, .farthest_m = 3, .most_tilt_rad = 50 * kDeg});
+  WorldSolver solver(room.map, {});
+  const auto moved = sightings_with_moved(random, room, 1);
+  ASSERT_TRUE(solver.solve({&moved[1], 1}).verdict != WorldVerdict::kOnlyMoved);  // nobody knows yet
+  ASSERT_TRUE(solver.solve(moved).is_valid());
+  EXPECT_TRUE(solver.moved().is_moved(1));
+  EXPECT_EQ(solver.solve({&moved[1], 1}).verdict, WorldVerdict::kOnlyMoved);
+  // With one other it is named at once, and the other one is believed.
+  const std::array pair{moved[0], moved[1]};
+  const WorldPose beside = solver.solve(pair);
+  EXPECT_EQ(beside.sightings[0].use, SightingUse::kUsed);
+  EXPECT_EQ(beside.sightings[1].use, SightingUse::kRejected);
+  // Hung back: it takes part again after a second.
+  for (int frame = 0; frame < MovedLandmarks::kForgivenAfter_frames; ++frame) {
+    const WorldPose pose = solver.solve(test::sightings_of(random, room));
+    ASSERT_TRUE(pose.is_valid());
+    EXPECT_EQ(pose.sightings[1].use, SightingUse::kRejected) << frame;
+  }
+  EXPECT_EQ(solver.solve(test::sightings_of(random, room)).sightings[1].use, SightingUse::kUsed);
+  ASSERT_TRUE(solver.solve(moved).is_valid());
+  solver.forget_moved();
+  EXPECT_FALSE(solver.moved().is_moved(1));
+}
+
+TEST(WorldMoved, ASheetBesideItsReflectionWasNotMoved) {
+  Random random(16);
+  const Room room = test::random_room(random, {.landmarks = 3, .farthest_m = 3});
+  auto seen = test::sightings_of(random, room);
+  seen.push_back(
+      test::sighting_of(random, room.T_world_camera, test::moved_sheet(room.map[1].T_world_landmark, 0.8, 20 * kDeg)));
+  seen.back().coded = 1;
+  WorldSolver solver(room.map, {});
+  const WorldPose pose = solver.solve(seen);
+  ASSERT_TRUE(pose.is_valid());
+  EXPECT_EQ(pose.sightings[1].use, SightingUse::kUsed);
+  EXPECT_EQ(pose.sightings[3].use, SightingUse::kRejected);
+  EXPECT_FALSE(solver.moved().is_moved(1));
+}
+
+TEST(MovedLandmarks, AreForgivenAfterTheyAgreedForAWhileWithoutABreak) {
+  MovedLandmarks moved(1000, 3);
+  moved.disagrees(999);
+  EXPECT_TRUE(moved.is_moved(999));
+  EXPECT_FALSE(moved.is_moved(998));
+  moved.agrees(999);
+  moved.agrees(999);
+  moved.disagrees(999);  // from the beginning
+  moved.agrees(999);
+  moved.agrees(999);
+  EXPECT_TRUE(moved.is_moved(999));
+  moved.agrees(999);
+  EXPECT_FALSE(moved.is_moved(999));
+  moved.agrees(999);
+  EXPECT_FALSE(moved.is_moved(999));
+}
+
+}  // namespace
+}  // namespace ninedot
