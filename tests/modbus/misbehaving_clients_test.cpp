@@ -11,6 +11,7 @@
 #include "drivers/modbus/server.h"
 #include "tests/modbus/publisher.h"
 #include "tests/modbus/raw_client.h"
+#include "tests/support/sanitizers.h"
 
 namespace ninedot {
 namespace {

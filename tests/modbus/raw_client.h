@@ -111,11 +111,4 @@ inline std::vector<std::uint16_t> registers_of(const Bytes& pdu) {
   return registers;
 }
 
-/// Sanitizers make everything several times slower; the long tests take their counts from here.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool kSanitized = true;
-#else
-inline constexpr bool kSanitized = false;
-#endif
-
 }  // namespace ninedot::test

@@ -73,11 +73,6 @@ TEST_F(ModbusRequest, AWindowShowsTheSameRegistersAsTheWholeMap) {
   EXPECT_EQ(window, std::vector<std::uint16_t>(all.begin() + 16, all.begin() + 28));
 }
 
-TEST_F(ModbusRequest, UnmappedAddressesInsideTheMapReadAsZero) {
-  for (const std::uint16_t address : std::array<std::uint16_t, 3>{79, 122, 124})
-    EXPECT_EQ(read_one(address), 0) << address;
-}
-
 TEST_F(ModbusRequest, AddressesBeyondTheMapAreException02) {
   EXPECT_EQ(ask(read_pdu(125, 1)), exception(3, ModbusException::kIllegalAddress));
   EXPECT_EQ(ask(read_pdu(124, 2)), exception(3, ModbusException::kIllegalAddress));

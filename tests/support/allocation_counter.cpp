@@ -4,12 +4,10 @@
 // and of the initial-exec kind, so that reaching them never allocates.
 #include "tests/support/allocation_counter.h"
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#include "tests/support/sanitizers.h"
+
+#if NINEDOT_ADDRESS_SANITIZER || NINEDOT_THREAD_SANITIZER
 #define NINEDOT_SANITIZER_HOOKS 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define NINEDOT_SANITIZER_HOOKS 1
-#endif
 #endif
 
 #include <cerrno>

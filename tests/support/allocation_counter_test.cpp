@@ -10,6 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/sanitizers.h"
+
 namespace ninedot::test {
 namespace {
 
@@ -66,7 +68,7 @@ TEST(AllocationGuard, CatchesEveryRelativeOfMalloc) {
     return guard.allocations() == before + 1;
   };
   EXPECT_TRUE(catches([] { return std::calloc(3, 7); }));
-#ifndef __SANITIZE_THREAD__  // it has no hook for these two
+#if !NINEDOT_THREAD_SANITIZER  // it has no hook for these two
   EXPECT_TRUE(catches([] { return std::aligned_alloc(64, 128); }));
   EXPECT_TRUE(catches([] {
     void* aligned = nullptr;

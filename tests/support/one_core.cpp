@@ -7,6 +7,8 @@
 #include <random>
 #include <thread>
 
+#include "tests/support/sanitizers.h"
+
 namespace ninedot::test {
 namespace {
 
@@ -68,7 +70,7 @@ std::optional<OneCore::Times> OneCore::race(int rounds, const std::function<void
   frame_loop.join();
   middle.join();
   ::sem_destroy(&burst);
-#if defined(__SANITIZE_THREAD__)
+#if NINEDOT_THREAD_SANITIZER
   is_refused = true;  // this sanitizer has locks of its own, in every access
 #endif
   return is_refused ? std::nullopt : std::optional(times);
