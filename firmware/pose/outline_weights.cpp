@@ -25,6 +25,7 @@ constexpr double kThereTrust = 0.25;  // of a group that counts as seen: the wei
 constexpr double kSpoiledLight = 64;  // a misfit of eight times the allowed variance, squared: light, not another thing
 // Smooth light leaves 0.7 to 1.6 of the noise's variance over a whole dot; beyond this a shadow's edge crosses it.
 constexpr double kShadowVariance = 2.5;
+constexpr int kLeastWholeDots = 5;   // more than half of a landmark's
 constexpr double kOutlierChi2 = 16;  // times the median group's: four times as far out
 
 double square(double x) noexcept { return x * x; }
@@ -59,11 +60,19 @@ Typical typical_of(std::span<const OutlineGroup> groups, const GroupFits& fits) 
           std::max(quantile(std::span(variances).first(count), kNoiseQuantile), kRoundingVariance_lsb2)};
 }
 
-/// Variance of the groups' places about the model's beyond what noise explains: warped sheets, shadows, the model's own
-/// faults. DerSimonian & Laird, "Meta-analysis in clinical trials", Controlled Clinical Trials 7 (1986): the excess of
-/// the weighted squares over their expectation. A group is moved along and across and grown (whole dots), or shifted.
-double model_variance_px2(std::span<const OutlineGroup> groups, const GroupFits& fits,
-                          const Typical& typical) noexcept {
+/// What the groups' places about the model's say of the model's own faults.
+struct ModelFaults {
+  double factor = 1;        ///< of each group's variance
+  double variance_px2 = 0;  ///< added to each group's
+};
+
+/// Scatter of the groups' places about the model's beyond what noise explains. Warped sheets and shadows displace all
+/// groups alike, whatever their size: a variance that is added (DerSimonian & Laird, "Meta-analysis in clinical
+/// trials", Controlled Clinical Trials 7 (1986): the excess of the weighted squares over their expectation). A colour
+/// camera's pattern displaces each by a share of what noise does: a factor (Birge, "The calculation of errors by the
+/// method of least squares", Phys. Rev. 40 (1932)). The likelier one is taken: P9 is larger than the others, and tells.
+/// A group is moved along and across and grown (whole dots), or shifted.
+ModelFaults model_faults(std::span<const OutlineGroup> groups, const GroupFits& fits, const Typical& typical) noexcept {
   struct Displaced {
     double chi2, information;
     int freedom;
@@ -76,22 +85,37 @@ double model_variance_px2(std::span<const OutlineGroup> groups, const GroupFits&
     Displaced d{fit.shift_px * fit.shift_px * fit.shift_information / typical.noise_variance_lsb2,
                 fit.shift_information / typical.noise_variance_lsb2, 1};
     if (groups[i].whole_dot) {
-      constexpr std::array<Eigen::Index, 3> kMoves{3, 5, 6};  // translation along the sheet's axes, growth
-      const Eigen::Matrix3d N = fit.normal(kMoves, kMoves);
-      const Eigen::Vector3d g = fit.gradient(kMoves);
-      d = {g.dot(N.ldlt().solve(g)) / typical.noise_variance_lsb2, d.information, 3};
+      constexpr std::array<Eigen::Index, 2> kMoves{3, 5};  // translation along the sheet's axes
+      const Eigen::Matrix2d N = fit.normal(kMoves, kMoves);
+      const Eigen::Vector2d g = fit.gradient(kMoves);
+      d = {g.dot(N.ldlt().solve(g)) / typical.noise_variance_lsb2, d.information, 2};
     }
     per_freedom[displaced.size()] = d.chi2 / d.freedom;
     (void)displaced.try_push_back(d);  // no more of them than groups
   }
   const double most = kOutlierChi2 * std::max(quantile(std::span(per_freedom).first(displaced.size()), 0.5), 1.0);
-  double excess = kUnknowns, information = 0;
+  double excess = kPoseUnknowns, information = 0, freedoms = -kPoseUnknowns, chi2 = 0;
+  int whole_dots = 0;
   for (const Displaced& d : displaced) {
     if (!(d.chi2 < most * d.freedom)) continue;
     excess += d.chi2 - d.freedom;
     information += d.freedom * d.information;
+    chi2 += d.chi2;
+    freedoms += d.freedom;
+    whole_dots += d.freedom > 1;
   }
-  return information > 0 ? std::max(excess, 0.0) / information : 0;
+  if (!(information > 0 && excess > 0)) return {};
+  // The variance of Student's distribution of so many degrees of freedom: the factor itself is uncertain.
+  const double added_px2 = excess / information, factor = std::max(chi2 / std::max(freedoms - 2, 1.0), 1.0);
+  double added_is_likelier = 0;  // twice the logarithm of the odds
+  for (const Displaced& d : displaced) {
+    if (!(d.chi2 < most * d.freedom)) continue;
+    const double added = 1 + added_px2 * d.information;
+    added_is_likelier += d.freedom * std::log(factor / added) + d.chi2 * (1 / factor - 1 / added);
+  }
+  // A pattern of pixels displaces nothing that is ten times their size.
+  if (added_is_likelier > 0 || whole_dots < kLeastWholeDots) return {1, added_px2};
+  return {factor, 0};
 }
 
 bool shows_an_outline(const GroupFit& fit, const Typical& typical) noexcept {
@@ -107,7 +131,7 @@ void weigh_groups(std::span<const OutlineGroup> groups, const GroupFits& fits, d
   const Typical typical = typical_of(groups, fits);
   weights.noise_variance_lsb2 = typical.noise_variance_lsb2;
   weights.fit = {typical.contrast_lsb, typical.paper_lsb, std::sqrt(typical.noise_variance_lsb2)};
-  const double model_px2 = model_variance_px2(groups, fits, typical);
+  const ModelFaults faults = model_faults(groups, fits, typical);
   double sum_weight = 0, sum_shift = 0;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const GroupFit& fit = fits[i];
@@ -115,16 +139,18 @@ void weigh_groups(std::span<const OutlineGroup> groups, const GroupFits& fits, d
     weights.outline_there[i] = false;
     if (!shows_an_outline(fit, typical)) continue;
     const double allowed_lsb2 = kNoiseSlack * typical.noise_variance_lsb2 + square(kModelMisfit * fit.contrast_lsb);
-    const double expected_px2 = typical.noise_variance_lsb2 / fit.shift_information;
-    const double u2 = fit.shift_px * fit.shift_px /
-                      (square(kShiftSigmas) * (expected_px2 + model_px2 + shift_floor_px * shift_floor_px));
+    const double noise_px2 = typical.noise_variance_lsb2 / fit.shift_information;
+    const double expected_px2 = faults.factor * noise_px2 + faults.variance_px2;
+    const double u2 =
+        fit.shift_px * fit.shift_px / (square(kShiftSigmas) * (expected_px2 + shift_floor_px * shift_floor_px));
     double trust = 1 / ((1 + u2) * (1 + u2));
     const double misfit = std::max(variance_of(fit) / allowed_lsb2, 1.0);
     weights.outline_there[i] = trust / std::max(misfit * misfit / kSpoiledLight, 1.0) > kThereTrust;
     trust /= misfit * misfit;
-    sum_weight += trust;
-    sum_shift += trust * fit.shift_px * fit.shift_px;
-    weights.weight[i] = trust / (1 + model_px2 / expected_px2);
+    // As certain as each is: a dot that hardly shows is off by much, and says little.
+    sum_weight += trust / expected_px2;
+    sum_shift += trust * fit.shift_px * fit.shift_px / expected_px2;
+    weights.weight[i] = trust * noise_px2 / expected_px2;
   }
   weights.rms_px = sum_weight > 0 ? std::sqrt(sum_shift / sum_weight) : 0;
 }

@@ -275,7 +275,7 @@ TEST(FullSolver, ThinsThePixelsOfALandmarkThatFillsThePictureAndAnswersNothingWi
 
 /// Every answer that a small allowance leaves has its mirror image refined where a large one does, and is the same.
 TEST(FullSolver, HasNoAnswerRatherThanOneWhoseMirrorImageItHadNoPixelsLeftFor) {
-  const test::Picture picture = test::render(scene_at({.distance_m = 7, .tilt_rad = 0.35}), 1);
+  const test::Picture picture = test::render(scene_at({.distance_m = 7, .tilt_rad = 0.15}), 1);
   Detector detector(CameraModel{}, LandmarkGeometry{});
   const auto seen = detector.find_landmarks(picture.view());
   ASSERT_TRUE(seen.has_value());
