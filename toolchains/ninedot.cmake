@@ -35,6 +35,22 @@ if(NINEDOT_SANITIZE)
   target_link_options(ninedot_options INTERFACE -fsanitize=${NINEDOT_SANITIZE})
 endif()
 
+# Sanitized trees read the largest headers once: a third of their time. Whether each file includes what it needs, the
+# other trees tell.
+if(NINEDOT_SANITIZE)
+  find_package(GTest REQUIRED)
+  file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/headers.cpp CONTENT "")
+  add_library(ninedot_headers OBJECT ${CMAKE_BINARY_DIR}/headers.cpp)
+  target_link_libraries(ninedot_headers PRIVATE ninedot_options ninedot_opencv PkgConfig::EIGEN3 GTest::gtest)
+  target_precompile_headers(ninedot_headers PRIVATE <Eigen/Dense> <algorithm> <chrono> <filesystem> <functional> <gtest/gtest.h> <memory>
+    <opencv2/core.hpp> <opencv2/imgproc.hpp> <optional> <ranges> <string> <vector>)
+endif()
+function(ninedot_headers_once name)
+  if(TARGET ninedot_headers)
+    target_precompile_headers(${name} REUSE_FROM ninedot_headers)
+  endif()
+endfunction()
+
 # ninedot_library(NAME DEPENDENCY...): the sources of the calling folder as one static library (header-only folders become INTERFACE).
 function(ninedot_library name)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
@@ -42,6 +58,7 @@ function(ninedot_library name)
   if(sources)
     add_library(${name} STATIC ${sources})
     target_link_libraries(${name} PUBLIC ninedot_options ${ARGN})
+    ninedot_headers_once(${name})
   else()
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE ninedot_options ${ARGN})

@@ -136,7 +136,7 @@ void RegisterBank::apply(ClientSession& session, std::uint16_t address, std::uin
       session.watchdog = std::chrono::milliseconds(value);
       break;
     default:
-      EXPECTS(!"a writable register without a meaning");
+      EXPECTS(false && "a writable register without a meaning");
   }
 }
 

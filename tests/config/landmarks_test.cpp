@@ -1,11 +1,12 @@
 // The [[landmarks]] of a configuration, or of a map beside it, and what is made of them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <string>
@@ -25,7 +26,9 @@ using test::parse;
 
 /// A configuration beside a map, read as the programs do. \return  every problem's line, the folder left out
 std::vector<std::string> errors_with_map(const std::string& text, const std::string& map, Config* config = nullptr) {
-  const std::string folder = testing::TempDir(), path = folder + "ninedot_with_map.toml";
+  const std::string folder = testing::TempDir() + fmt::format("ninedot_map_{}/", ::getpid());
+  const std::string path = folder + "ninedot_with_map.toml";
+  std::filesystem::create_directory(folder);
   std::ofstream(path) << text;
   std::ofstream(folder + "hall.toml") << map;
   ConfigProblems problems;
@@ -36,8 +39,7 @@ std::vector<std::string> errors_with_map(const std::string& text, const std::str
     lines.push_back(problem_text(path, problem));
     for (std::size_t at; (at = lines.back().find(folder)) != std::string::npos;) lines.back().erase(at, folder.size());
   }
-  std::remove(path.c_str());
-  std::remove((folder + "hall.toml").c_str());
+  std::filesystem::remove_all(folder);
   return lines;
 }
 

@@ -130,7 +130,7 @@ TEST_F(Overlay, FollowsTheLensDistortion) {
 TEST_F(Overlay, DrawsTheAxesOfTheLandmark) {
   report_.camera_in_landmark.position_m = {-0.1, 0.5, -0.1};  // from the side: Y0 is not a mere point
   draw(nullptr);
-  const auto shifted = [this](double x_m, double y_m, double z_m) {
+  const auto shifted = [](double x_m, double y_m, double z_m) {
     const double depth_m = 0.5 - y_m;
     return Eigen::Vector2d(720 * -(x_m + 0.1) / depth_m + 319.5, 720 * -(z_m + 0.1) / depth_m + 239.5);
   };

@@ -14,6 +14,7 @@
 
 #include "base/mono_time.h"
 #include "base/startup_error.h"
+#include "tests/support/sanitizers.h"
 
 namespace ninedot {
 namespace {
@@ -187,9 +188,10 @@ TEST(InhibitInput, InhibitsWhenItHasNoDescriptorToWatch) {
 }
 
 TEST(InhibitInput, InhibitsWhenThePollFails) {
+  // Where it meets a class, Clang's undefined-behaviour sanitizer looks whether its memory can be read: by a pipe.
+  if (NINEDOT_ADDRESS_SANITIZER) GTEST_SKIP() << "the sanitizers need descriptors themselves";
   Wire wire;
   const InhibitInput input(opener(wire), kSoon);
-  // Asked as it will be asked below: a sanitizer that meets a class for the first time needs descriptors for it.
   EXPECT_TRUE(becomes(input, false));
   // More descriptors than the limit allows: poll() fails with EINVAL, whatever they are.
   rlimit before{};
