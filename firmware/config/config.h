@@ -54,9 +54,10 @@ struct MapLandmarkConfig {
 
 /// [pose]
 struct PoseConfig {
-  std::string solver = "full";     ///< `solver`: full | ellipse
-  bool tracking = true;            ///< `tracking`: look where the landmark was before searching the whole picture
-  double max_ambiguity = 0.01;     ///< `max_ambiguity`: 0..1; odds of another reading above which a pose is not valid
+  std::string solver = "full";  ///< `solver`: full | ellipse
+  bool tracking = true;         ///< `tracking`: look where the landmark was before searching the whole picture
+  double max_ambiguity = 0.01;  ///< `max_ambiguity`: 0..1; odds of another reading above which a pose is not valid
+  std::string main_landmark = "nearest";  ///< `main_landmark`: nearest | surest; of several in view the reported one
   double max_sigma_percent = 3.0;  ///< `max_sigma_percent`: 0.01..10 % of the distance; 1-sigma above it: not valid
 };
 

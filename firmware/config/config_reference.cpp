@@ -151,6 +151,10 @@ const std::array kKeysUpToTheHead{
     ConfigKey{"pose", "max_sigma_percent", "%", 0.01, 10, "",
               "1-sigma of the position, all axes together, above which a pose is not valid; of the distance",
               SLOT(pose.max_sigma_percent)},
+    ConfigKey{"pose", "main_landmark", "", 0, 0, "nearest|surest",
+              "of several landmarks in view the one whose pose is reported, among those that are valid: the `nearest`, "
+              "or the `surest`, whose 1-sigma of the position is smallest",
+              SLOT(pose.main_landmark)},
 
     ConfigKey{"pose.ellipse", "kmm_mm_per_px", "mm/px", 0, 1, "", "Kmm of equation (6); 0 = of the calibrated camera",
               SLOT(ellipse.kmm_mm_per_px)},

@@ -7,12 +7,19 @@
 
 namespace ninedot {
 
+/// Of several landmarks in view the one whose pose is reported (among those that may be acted on, where there are).
+enum class MainLandmark : std::uint8_t {
+  kNearest,  ///< the founding paper's choice: it changes seldom
+  kSurest,   ///< the smallest 1-sigma of the position: a small tilted sheet may be surer than a near frontal one
+};
+
 struct LocaliserOptions {
   SeekerOptions seeker{};
   bool tracking = true;  ///< look where the landmark was before searching the whole picture
   TrustLimits trust{};   ///< what is beyond them is found, but not valid
   WorkBudget budget{};   ///< what one frame may cost
   LandmarkMap map{};     ///< Localiser: of one landmark
+  MainLandmark main_landmark = MainLandmark::kNearest;  ///< RoomLocaliser
   PoseFilterOptions filter{};
   /// [frames] between two searches of the whole picture while landmarks are followed (RoomLocaliser): three searches a
   /// second at 35 frames a second show a sheet that the map does not expect, at a tenth of a search for each frame.

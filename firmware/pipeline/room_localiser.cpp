@@ -362,11 +362,14 @@ void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const
   fix.quality = pose_quality(pose);
   fix.verdict = verdict_on(pose, true, options_.trust);
   (void)fix_.landmarks.try_push_back(fix);
-  // The one that counts comes first: one that may be acted on, the nearest of those.
-  const auto comes_before = [](const LandmarkFix& a, const LandmarkFix& b) {
+  // The one that counts comes first: one that may be acted on, the nearest or surest of those.
+  const auto rank_m2 = [&](const LandmarkFix& f) {
+    return options_.main_landmark == MainLandmark::kSurest ? f.pose().covariance.topLeftCorner<3, 3>().trace()
+                                                           : f.pose().T_landmark_camera.translation_m.squaredNorm();
+  };
+  const auto comes_before = [&](const LandmarkFix& a, const LandmarkFix& b) {
     const bool a_is_valid = a.verdict == Reason::kNone, b_is_valid = b.verdict == Reason::kNone;
-    if (a_is_valid != b_is_valid) return a_is_valid;
-    return a.pose().T_landmark_camera.translation_m.norm() < b.pose().T_landmark_camera.translation_m.norm();
+    return a_is_valid != b_is_valid ? a_is_valid : rank_m2(a) < rank_m2(b);
   };
   const std::size_t last = fix_.landmarks.size() - 1;
   if (last > 0 && comes_before(fix_.landmarks[last], fix_.landmarks[0]))

@@ -102,6 +102,12 @@ TEST(ConfigLandmarks, NeedTheFullSolverWhereSeveralOrCodesAreToBeTold) {
         << error_of(ellipse + room);
 }
 
+TEST(ConfigLandmarks, AreReportedByDistanceUnlessTheSurestIsAskedFor) {
+  const auto main_of = [](const std::string& text) { return localiser_options(parse(text)).main_landmark; };
+  EXPECT_EQ(main_of(""), MainLandmark::kNearest);
+  EXPECT_EQ(main_of("[pose]\nmain_landmark = \"surest\""), MainLandmark::kSurest);
+}
+
 TEST(ConfigLandmarks, AreToldOfOneClashEach) {
   std::string text;
   for (int id = 0; id < 30; ++id)

@@ -84,6 +84,26 @@ TEST(RoomLocaliser, PlacesTheCameraByAllSheetsInView) {
   EXPECT_LT(apart_m(fix.track->motion.T_world_camera.translation_m, scene.camera), 0.01);
 }
 
+TEST(RoomLocaliser, ReportsTheNearestOrTheSurestOfThem) {
+  const test::Picture picture =
+      test::render(scene_of({kWall[0], kWall[1], kWall[2]}, {.distance_m = 2.2, .tilt_rad = 0.1}), 1);
+  const auto by_distance = [](const LandmarkFix& a, const LandmarkFix& b) {
+    return a.pose().T_landmark_camera.translation_m.norm() < b.pose().T_landmark_camera.translation_m.norm();
+  };
+  const auto by_variance = [](const LandmarkFix& a, const LandmarkFix& b) {
+    return a.pose().covariance.topLeftCorner<3, 3>().trace() < b.pose().covariance.topLeftCorner<3, 3>().trace();
+  };
+  const auto is_first = [&](MainLandmark choice, auto comes_before) {
+    RoomLocaliser unit(CameraModel{}, {.map = map_of_wall(), .main_landmark = choice});
+    const Fix& fix = unit.process(frame_of(picture, 1));
+    EXPECT_EQ(fix.landmarks.size(), 3U);
+    return std::ranges::min_element(fix.landmarks, comes_before) == fix.landmarks.begin();
+  };
+  EXPECT_TRUE(is_first(MainLandmark::kNearest, by_distance));
+  EXPECT_FALSE(is_first(MainLandmark::kNearest, by_variance)) << "or this picture tests nothing";
+  EXPECT_TRUE(is_first(MainLandmark::kSurest, by_variance));
+}
+
 TEST(RoomLocaliser, FollowsThemFromFrameToFrame) {
   const test::Picture picture = test::render(scene_of({kWall[0], kWall[1], kWall[2]}, kFromAside), 1);
   RoomLocaliser unit(CameraModel{}, {.map = map_of_wall()});
