@@ -33,7 +33,7 @@ struct PoseEstimate {
   /// position.
   Matrix6d covariance = Matrix6d::Zero();
   double ambiguity = 0;     ///< 0 = other readings of the picture are excluded, 1 = another fits alike
-  double rms_px = 0;        ///< residual of the outlines used
+  double rms_px = 0;        ///< residual of the outlines used: root mean square, each by its certainty [px]
   int dots_used = 0;        ///< of nine, partly hidden ones included
   int occlusion_level = 0;  ///< 0 nothing hidden, I..III of the founding paper as 1..3
   EllipseParameters ellipse;

@@ -92,7 +92,7 @@ struct Report {
   std::array<double, 6> sigma_world{};
 
   double ambiguity = 0;  ///< odds of all other readings; of the newest frame where that is `ambiguous`. 0..1
-  double rms_px = 0;     ///< residual [px]
+  double rms_px = 0;     ///< residual, as PoseEstimate has it [px]
   std::uint16_t dots_used = 0;
   std::uint16_t occlusion_level = 0;
   double swing_psi_rad = 0, tilt_phi_rad = 0, pan_theta_rad = 0;

@@ -106,6 +106,8 @@ TEST(ConfigLandmarks, AreReportedByDistanceUnlessTheSurestIsAskedFor) {
   const auto main_of = [](const std::string& text) { return localiser_options(parse(text)).main_landmark; };
   EXPECT_EQ(main_of(""), MainLandmark::kNearest);
   EXPECT_EQ(main_of("[pose]\nmain_landmark = \"surest\""), MainLandmark::kSurest);
+  EXPECT_NE(error_of("[pose]\nmain_landmark = \"best\"").find(":2: 'main_landmark'"), std::string::npos)
+      << error_of("[pose]\nmain_landmark = \"best\"");
 }
 
 TEST(ConfigLandmarks, AreToldOfOneClashEach) {

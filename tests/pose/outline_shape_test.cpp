@@ -8,10 +8,8 @@
 #include <numbers>
 #include <optional>
 
-#include "detect/detector.h"
-#include "pose/full_solver.h"
 #include "pose/pose_of_outlines.h"
-#include "tests/support/renderer.h"
+#include "tests/pose/first_fit.h"
 
 namespace ninedot {
 namespace {
@@ -25,19 +23,10 @@ struct Looked {
 
 /// What the detector's first guess leads to; nothing where it leads nowhere.
 std::optional<Looked> look_at(const test::Sheet& sheet, const test::Viewpoint& viewpoint) {
-  test::Scene scene;
-  scene.camera = test::look_at_landmark(viewpoint);
-  set_noise(scene.sensor, 1.5);
-  scene.sheets = {sheet};
-  const test::Picture picture = test::render(scene, 1);
-  Detector detector(CameraModel{}, LandmarkGeometry{});
-  const auto seen = detector.find_landmarks(picture.view());
-  if (!seen) return std::nullopt;
-  FullSolver solver(CameraModel{}, LandmarkGeometry{});
-  int pixels = 100'000;
-  const auto answer = solver.solve(picture.view(), seen->front(), nullptr, pixels);
-  if (!answer) return std::nullopt;
-  return Looked{answer->list[0], fits_picture(answer->list[0], PictureNoise(picture.view()))};
+  const test::Picture picture = test::render(test::scene_of(sheet, viewpoint), 1);
+  const auto best = test::first_fit(picture.view());
+  if (!best) return std::nullopt;
+  return Looked{*best, fits_picture(*best, PictureNoise(picture.view()))};
 }
 
 constexpr test::Viewpoint kUsual{.distance_m = 1.2, .tilt_rad = 0.4, .azimuth_rad = 0.7};

@@ -5,10 +5,13 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "geometry/planar_pose.h"
+#include "pose/mirror_image.h"
 #include "tests/support/random.h"
+#include "world/joint_fit.h"
 #include "world/world_solver.h"
 
 namespace ninedot::test {
@@ -81,17 +84,24 @@ inline SightedLandmark sighting_of(Random& random, const WorldFromCamera& T_worl
         axes.toRotationMatrix() * sigma.cwiseAbs2().cwiseInverse().asDiagonal() * axes.toRotationMatrix().transpose();
     points[dot] = {landmark.centre_m(dot), sighted.ray, sighted.information.trace()};
   }
-  const PlanarPoses both = solve_planar_pose(points).value();
-  const auto chi2 = [&](const CameraFromLandmark& T) {
+  // Both likeliest poses, each refined by itself: nearly frontal, the two planar solutions may end in one.
+  const auto refined = [&](const CameraFromLandmark& T) {
+    const JointMember member{&seen.sighting, {}, nullptr};
     const auto back = T.inverse();
-    return fit_of_sighting(seen.sighting, {}, {back.rotation, back.translation_m}, landmark).chi2;
+    JointFit fit;
+    fit_jointly({&member, 1}, {back.rotation, back.translation_m}, landmark, fit);
+    const auto best = fit.T_world_camera.inverse();
+    return std::pair(CameraFromLandmark{best.rotation, best.translation_m}, fit.sum.chi2);
   };
-  const bool first_is_better = chi2(both[0].T_camera_landmark) <= chi2(both[1].T_camera_landmark);
-  seen.sighting.T_camera_landmark = both[first_is_better ? 0 : 1].T_camera_landmark;
-  const CameraFromLandmark other = both[first_is_better ? 1 : 0].T_camera_landmark;
-  const double above = chi2(other) - chi2(seen.sighting.T_camera_landmark);
-  if (above < 50 && log_so3(other.rotation.transpose() * seen.sighting.T_camera_landmark.rotation).norm() > 0.005) {
-    seen.mirror = other;
+  const PlanarPoses both = solve_planar_pose(points).value();
+  auto believed = refined(both[0].T_camera_landmark), other = refined(both[1].T_camera_landmark);
+  if (angle_between_rad(believed.first, other.first) < kSamePose_rad)
+    other = refined(mirror_image(believed.first, landmark));
+  if (other.second < believed.second) std::swap(believed, other);
+  seen.sighting.T_camera_landmark = believed.first;
+  const double above = other.second - believed.second;
+  if (above < 50 && angle_between_rad(believed.first, other.first) > kSamePose_rad) {
+    seen.mirror = other.first;
     seen.mirror_chi2_above = above;
   }
   seen.numbering_costs = upright_costs(seen.sighting.T_camera_landmark, landmark, UprightPrior{});
