@@ -106,7 +106,7 @@ Result<LandmarkObservation> Detector::Workspace::search_whole(const ImageView& l
     return match(luma, whole, half, coarse_begin, Numbering::kLeftOut, budget);  // it is looked at again
   });
   if (coarse)
-    if (auto fine = search_near(luma, LandmarkForecast(*coarse, false), budget)) return fine;
+    if (auto fine = search_near(luma, LandmarkForecast(*coarse, ForecastNumbers::kByPriors), budget)) return fine;
   look_finer(luma, budget);
   return match(luma, whole, budget.guesses, fine_begin, Numbering::kByPriors, budget);
 }
@@ -119,10 +119,12 @@ Result<LandmarkObservation> Detector::Workspace::search_near(const ImageView& lu
   GuessBegin begin;
   Result<LandmarkObservation> seen = with_half(
       budget.guesses, [&](int& half) { return match(luma, window, half, begin, Numbering::kByPriors, budget); });
-  if (!seen || !expected.is_numbered) return seen;
+  if (!seen || expected.numbers == ForecastNumbers::kByPriors) return seen;
   if (const auto first = first_dot_by_forecast(seen->H_ray_plane, expected.H_ray_plane, landmark))
     return renumbered(*seen, *first);
-  return seen;  // not as it was foretold: another view, and the priors know better
+  if (expected.numbers == ForecastNumbers::kCertain)
+    return fail(Errc::kNoLandmark, "the landmark is not as it was foretold");
+  return seen;
 }
 
 void Detector::Workspace::look(const ImageView& luma, const SearchArea& area, Sight& sight,

@@ -93,10 +93,13 @@ std::optional<CameraTwist> RoomLocaliser::twist_at(MonoTime time) const noexcept
 
 /// Those that were in view in the frame before.
 void RoomLocaliser::follow(const Frame& frame) noexcept {
+  const auto twist = twist_at(frame.exposed_at());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     InView& landmark = in_view_[i];
     if (landmark.track.is_numbering_refuted()) continue;
+    if (twist && landmark.track.prior() != nullptr)
+      landmark.track.foretell(twist->of_sheet_at(landmark.track.prior()->T_camera_landmark.translation_m));
     Result<std::size_t> chosen = seeker_.follow_outlines(frame, landmark.track);
     landmark.is_followed = chosen.has_value();
     if (!chosen) chosen = seeker_.detect_near_track(frame, landmark.track);
@@ -151,7 +154,8 @@ bool RoomLocaliser::begin_where_expected(const Frame& frame, const CameraFromLan
   const bool is_coded = !is_black_and_white(options_.map.landmarks()[map_index].code);
   if (is_coded) landmark.expected = map_index;
   Result<std::size_t> chosen = fail(Errc::kNoLandmark, "there is nothing yet");
-  if (const auto seen = seeker_.detector().find_landmark_near(frame.luma, T_camera_landmark, seeker_.budget())) {
+  const LandmarkForecast there(T_camera_landmark, is_coded ? ForecastNumbers::kCertain : ForecastNumbers::kForetold);
+  if (const auto seen = seeker_.detector().find_landmark_near(frame.luma, there, seeker_.budget())) {
     if (is_known(seen->H_ray_plane)) return false;
     chosen = seeker_.solve_guess(frame, *seen, landmark.track);
   }
@@ -220,9 +224,11 @@ void RoomLocaliser::identify(const Frame& frame) noexcept {
     if (!landmark.identity) {
       if (!codes_.is_colourless()) codes_.look(frame, T_shown, seeker_.noise(), landmark.colours);
       landmark.identity = codes_.identify(landmark.colours, options_.trust.max_ambiguity);
-      if (!landmark.identity && landmark.expected)
-        landmark.identity = codes_.confirm(*landmark.expected, landmark.colours, options_.trust.max_ambiguity);
       if (landmark.identity && landmark.identity->coded) number_by_code(frame, landmark);
+      if (!landmark.identity && landmark.expected) {
+        landmark.identity = codes_.confirm(*landmark.expected, landmark.colours, options_.trust.max_ambiguity);
+        if (landmark.identity) landmark.track.know_numbering();  // as the map foretold it
+      }
     } else if (landmark.identity->coded && !landmark.is_fresh) {
       if (!codes_.is_still(*landmark.identity->coded, frame, T_shown, seeker_.noise(), landmark.doubt)) continue;
     }

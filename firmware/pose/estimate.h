@@ -74,7 +74,6 @@ struct PoseCandidate {
   double dot_radius_px = 0;                       ///< of the ring's dots, likewise, seen from in front
   OutlineState outlines;                          ///< solver "full": what a next frame may start from
   std::array<double, kDotCount> visible_share{};  ///< of each dot's outline, where it belongs. 0..1
-  bool light_smooth = true;                       ///< no shadow's edge crosses the landmark
 };
 
 /// The mirror image beside the pose: all readings that the points of one plane allow.

@@ -28,6 +28,8 @@ constexpr double kSettled_chi2 = 18.4, kApart_rad = 0.17;
 // Residual of centroids that a track may start from at once: its outlines then lie within the half pixel of
 // Start::kClose.
 constexpr double kCloseStart_px = 0.4;
+// Edges of light cross a few dots. Where they seem to cross more, the outlines weren't where they were expected.
+constexpr int kMostShadowed = 4;
 // Of the centroids' residual: what of it may be the sheet's warp or a shadow's pull, the rest being noise.
 constexpr double kWarpShare = 0.5;
 
@@ -58,7 +60,7 @@ struct FullSolver::Workspace {
   bool refine_first(const ImageView& luma, const LandmarkObservation& seen, const Starts& starts,
                     const PosePrior* prior, double warp_px, int& pixels, const SheetMotion& motion) noexcept;
   std::optional<PoseCandidate> weigh_mirror(const ImageView& luma, bool side_is_settled, double warp_px,
-                                            bool may_refine, int& pixels) noexcept;
+                                            int& pixels) noexcept;
 
   CameraModel camera;
   LandmarkGeometry landmark;
@@ -143,10 +145,9 @@ bool FullSolver::Workspace::refine_first(const ImageView& luma, const LandmarkOb
 }
 
 /// The mirror image of the first refiner's pose; none: there is no second pose. `chi2_above` is below zero where it
-/// fits better. \param may_refine  false: where it would have to be refined, `refined` says so
+/// fits better.
 std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView& luma, bool side_is_settled,
-                                                                 double warp_px, bool may_refine,
-                                                                 int& pixels) noexcept {
+                                                                 double warp_px, int& pixels) noexcept {
   OutlineState mirrored = first.state();
   mirrored.T_camera_landmark = mirror_image(first.state().T_camera_landmark, landmark);
   const double apart_rad = angle_between_rad(mirrored.T_camera_landmark, first.state().T_camera_landmark);
@@ -156,7 +157,7 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
   mirror.outlines = mirrored;
   mirror.chi2_above = first.chi2_above(mirrored);
   mirror.refined = !(mirror.chi2_above > (side_is_settled && apart_rad > kApart_rad ? kSettled_chi2 : kDecisive_chi2));
-  if (!mirror.refined || !may_refine) return mirror;
+  if (!mirror.refined) return mirror;
   if (!second.refine(luma, mirrored, OutlineRefiner::Start::kClose, warp_px, pixels).has_converged()) {
     mirror.refined = false;
     return mirror;
@@ -168,6 +169,21 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
   mirror.chi2_above = 0.5 * (first.chi2_above(second.state()) - second.chi2_above(first.state()));
   return mirror;
 }
+
+namespace {
+
+/// The better one first, with how much worse the other one fits.
+void list_by_fit(PoseCandidate best, std::optional<PoseCandidate> mirror, PoseCandidates& candidates) noexcept {
+  if (mirror && mirror->refined) {
+    if (mirror->chi2_above < 0) std::swap(best, *mirror);
+    mirror->chi2_above = std::abs(mirror->chi2_above) + std::abs(best.chi2_above);
+    best.chi2_above = 0;
+  }
+  (void)candidates.list.try_push_back(best);
+  if (mirror) (void)candidates.list.try_push_back(*mirror);
+}
+
+}  // namespace
 
 FullSolver::FullSolver(const CameraModel& camera, const LandmarkGeometry& landmark)
     : workspace_(std::make_unique<Workspace>(camera, landmark)) {}
@@ -192,25 +208,19 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
     mirror->chi2_above = starts.second_chi2_above;
     mirror->refined = false;
   } else {
-    mirror = w.weigh_mirror(luma, prior != nullptr && prior->side_is_settled, candidates.warp_px, true, pixels);
+    mirror = w.weigh_mirror(luma, prior != nullptr && prior->side_is_settled, candidates.warp_px, pixels);
   }
   // A mirror image that there was nothing left to refine with is not excluded by a glance.
   if (pixels <= 0 && mirror && !mirror->refined && !starts.centroids_decide())
     return fail(Errc::kPoseDegenerate, "the mirror image could not be looked at any more");
   const bool mirror_is_better = mirror && mirror->refined && mirror->chi2_above < 0;
-  if (mirror && mirror->refined) {
-    if (mirror_is_better) std::swap(best, *mirror);
-    mirror->chi2_above = std::abs(mirror->chi2_above) + std::abs(best.chi2_above);
-    best.chi2_above = 0;
-  }
+  list_by_fit(best, mirror, candidates);
   // Where a reading that is none of a landmark fits as well, the picture shows none.
-  for (const PoseCandidate* reading : {&best, mirror ? &*mirror : nullptr})
-    if (reading != nullptr && reading->refined && reading->chi2_above < kUndecided_chi2)
-      if (const auto usable = check_pose(reading->pose, w.camera, w.landmark); !usable)
+  for (const PoseCandidate& reading : candidates.list)
+    if (reading.refined && reading.chi2_above < kUndecided_chi2)
+      if (const auto usable = check_pose(reading.pose, w.camera, w.landmark); !usable)
         return tl::unexpected<Error>(usable.error());
-  best.shape = (mirror_is_better ? w.second : w.first).shape();
-  (void)candidates.list.try_push_back(best);
-  if (mirror) (void)candidates.list.try_push_back(*mirror);
+  candidates.list[0].shape = (mirror_is_better ? w.second : w.first).shape();
   return candidates;
 }
 
@@ -221,16 +231,15 @@ Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const CameraFro
   start.T_camera_landmark = expected;
   start.motion = motion;
   const auto lost = fail(Errc::kNoLandmark, "the landmark is not where it was expected");
-  // Where shadows cut the dots, their centroids know better than the frame before how far to trust the outlines.
   if (!w.first.refine(luma, start, OutlineRefiner::Start::kExpected, prior.warp_px, pixels).has_converged() ||
-      !w.first.is_light_smooth())
+      w.first.shadowed_dots() > kMostShadowed)
     return lost;
   PoseCandidates candidates;
   candidates.warp_px = prior.warp_px;
-  (void)candidates.list.try_push_back(candidate_of(w.first, w.camera, w.landmark));
-  const auto mirror = w.weigh_mirror(luma, prior.side_is_settled, prior.warp_px, false, pixels);
-  if (mirror && mirror->refined) return lost;
-  if (mirror) (void)candidates.list.try_push_back(*mirror);
+  const PoseCandidate believed = candidate_of(w.first, w.camera, w.landmark);
+  const auto mirror = w.weigh_mirror(luma, prior.side_is_settled, prior.warp_px, pixels);
+  if (pixels <= 0 && mirror && !mirror->refined) return lost;
+  list_by_fit(believed, mirror, candidates);
   return candidates;
 }
 

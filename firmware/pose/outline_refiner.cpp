@@ -213,10 +213,6 @@ bool OutlineRefiner::solve_equations(double nuisance_sigma, Step& step) noexcept
   return step.allFinite();
 }
 
-bool OutlineRefiner::is_light_smooth() const noexcept {
-  return std::ranges::none_of(split_, [](bool split) { return split; });
-}
-
 double OutlineRefiner::chi2_above(const OutlineState& other) const noexcept {
   // After a short step the equations know what it has gained: all but its third order.
   const bool is_known = statistics_.stopped == Stopped::kSettled;
@@ -276,6 +272,8 @@ DotSightings OutlineRefiner::dots() const noexcept {
   }
   return dots;
 }
+
+int OutlineRefiner::shadowed_dots() const noexcept { return static_cast<int>(std::ranges::count(split_, true)); }
 
 double OutlineRefiner::dot_radius_px() const noexcept {
   return camera_.fx_px * landmark_.dot_radius_m / state_.T_camera_landmark.translation_m.norm();

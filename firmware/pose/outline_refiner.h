@@ -46,8 +46,8 @@ class OutlineRefiner {
   /// Whether these are discs. Costs as much as a stage.
   OutlineShape shape() const noexcept;
 
-  /// Every dot was taken whole, or is large: no shadow's edge crosses the landmark.
-  bool is_light_smooth() const noexcept;
+  /// How many of the smaller dots were cut into sectors, because a shadow's edge crosses them. 0..9
+  int shadowed_dots() const noexcept;
 
   /// Of the ring's dots, seen from in front. [px]
   double dot_radius_px() const noexcept;

@@ -113,7 +113,6 @@ PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& cam
   candidate.dot_radius_px = refiner.dot_radius_px();
   candidate.visible_share = refiner.visible_share();
   candidate.dots = refiner.dots();
-  candidate.light_smooth = refiner.is_light_smooth();
   PoseEstimate& pose = candidate.pose;
   pose.T_landmark_camera = refiner.state().T_camera_landmark.inverse();
   pose.rms_px = refiner.rms_px();

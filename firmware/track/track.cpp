@@ -15,6 +15,8 @@ namespace {
 // A landmark whose motion is foretold no better than this is found sooner by the detector than by its outlines: half of
 // the reach within which an expectation's first step leads to the outline (pose/outline_refiner.cpp).
 constexpr double kLittleSurprise_px = 0.5;
+// Of what the last frame was off by, so much is taken for acceleration that goes on: the rest is noise of three poses.
+constexpr double kLastingShare = 0.5;
 constexpr double kUsableSurprise_px = 12;  // the least margin around the window of a search (detect/detector.cpp)
 constexpr double kSettled = 1e-4;  // weight of the mirror image in a track that has told the two planar solutions apart
 // Times the residual of the frame before, and a bit (what one frame's residual scatters by): something else is in
@@ -64,14 +66,24 @@ CameraFromLandmark Track::expected_at(MonoTime time) const noexcept {
   const double ahead_s = std::chrono::duration<double>(time - pose_at_).count();
   T.rotation = exp_so3(ahead_s * motion_->rotation_rad_s) * T.rotation;
   T.translation_m += ahead_s * motion_->translation_m_s;
+  // The motion was that of the middle between the two frames.
+  T.translation_m.head<2>() +=
+      0.5 * ahead_s * (ahead_s + motion_->over_s) * T.translation_m.z() * motion_->acceleration_1_s2;
   return T;
+}
+
+void Track::foretell(const SheetMotion& motion) noexcept {
+  if (!has_pose_) return;
+  if (!motion_) motion_ = Motion{.translation_m_s = motion.translation_m_s};
+  motion_->rotation_rad_s = motion.rotation_rad_s;
 }
 
 LandmarkForecast Track::forecast(MonoTime time) const noexcept {
   EXPECTS(has_sighting_);
-  if (!has_pose_ || !options_.pose_foretells) return {sighting_, true};
+  const auto numbers = numbering_is_known_ ? ForecastNumbers::kCertain : ForecastNumbers::kForetold;
+  if (!has_pose_ || !options_.pose_foretells) return {sighting_, numbers};
   // A motion that foretold nothing the last time is none: unrelated pictures, or a pose of another reading.
-  return surprise_px_ < kUsableSurprise_px ? expected_at(time) : prior_.T_camera_landmark;
+  return {surprise_px_ < kUsableSurprise_px ? expected_at(time) : prior_.T_camera_landmark, numbers};
 }
 
 std::optional<LandmarkForecast> Track::remembered(MonoTime time) const noexcept {
@@ -93,9 +105,7 @@ void Track::note_numbering() noexcept {
   has_past_ = true;
 }
 
-bool Track::may_follow_outlines() const noexcept {
-  return has_pose_ && light_smooth_ && surprise_px_ < kLittleSurprise_px;
-}
+bool Track::may_follow_outlines() const noexcept { return has_pose_ && surprise_px_ < kLittleSurprise_px; }
 
 bool Track::accepts(const PoseCandidate& followed, MonoTime exposed_at) const noexcept {
   const Matrix6d &before = pose_.covariance, &now = followed.pose.covariance;
@@ -148,7 +158,6 @@ Result<std::size_t> Track::take(PoseCandidates& candidates, MonoTime exposed_at)
   pose_ = candidate.pose;
   pose_at_ = exposed_at;
   prior_ = {now, candidate.outlines, candidates.warp_px, mirror_weight_ < kSettled};
-  light_smooth_ = candidate.light_smooth;
   note_numbering();
   return chosen;
 }
@@ -163,7 +172,6 @@ void Track::believe(PoseCandidates& candidates, std::size_t chosen) noexcept {
   pose_ = candidate.pose;
   prior_.T_camera_landmark = now;
   prior_.outlines = candidate.outlines;
-  light_smooth_ = candidate.light_smooth;
 }
 
 void Track::jump() noexcept {
@@ -190,10 +198,18 @@ void Track::note_motion(const PoseEstimate& pose, MonoTime exposed_at) noexcept 
   const CameraFromLandmark& before = prior_.T_camera_landmark;
   const CameraFromLandmark now = pose.T_landmark_camera.inverse();
   const auto direction = [](const Eigen::Vector3d& p_camera_m) -> Eigen::Vector2d { return p_camera_m.hnormalized(); };
-  surprise_px_ =
-      options_.focal_px * (direction(expected_at(exposed_at).translation_m) - direction(now.translation_m)).norm();
-  motion_ = Motion{log_so3(now.rotation * before.rotation.transpose()) / since_s,
-                   (now.translation_m - before.translation_m) / since_s};
+  const Eigen::Vector2d surprise = direction(now.translation_m) - direction(expected_at(exposed_at).translation_m);
+  surprise_px_ = options_.focal_px * surprise.norm();
+  if (std::abs(turn_in_plane_rad(before, now)) > kOtherNumbers_rad) {
+    motion_.reset();  // as if it turned by so much in every frame
+    return;
+  }
+  Motion motion{log_so3(now.rotation * before.rotation.transpose()) / since_s,
+                (now.translation_m - before.translation_m) / since_s, since_s};
+  if (motion_ && motion_->is_own() && surprise_px_ < kUsableSurprise_px)
+    motion.acceleration_1_s2 =
+        motion_->acceleration_1_s2 + 2 * kLastingShare / (since_s * (since_s + motion_->over_s)) * surprise;
+  motion_ = motion;
 }
 
 }  // namespace ninedot

@@ -34,14 +34,19 @@ class Track {
   const LandmarkObservation& sighting() const noexcept { return sighting_; }
   /// What the solver may start from; null: the frame before gave no pose.
   const PosePrior* prior() const noexcept { return has_pose_ ? &prior_ : nullptr; }
-  /// The sheet before the camera, if it goes on as between the last two frames. \pre prior() (contract)
+  /// The sheet before the camera, if it goes on as over the last frames: turning and moving as between the last two,
+  /// its direction gaining speed as it has. \pre prior() (contract)
   CameraFromLandmark expected_at(MonoTime time) const noexcept;
 
   /// How it moved between the last two frames; rows all at once. None: they did not both have a pose.
   std::optional<SheetMotion> motion() const noexcept {
-    if (!motion_) return std::nullopt;
+    if (!motion_ || !motion_->is_own()) return std::nullopt;
     return SheetMotion{motion_->rotation_rad_s, motion_->translation_m_s};
   }
+
+  /// Who knows how the camera moves says how the sheet does: its turning, which one landmark shows poorly, and its way
+  /// where the last two frames did not both have a pose. Until the next pose.
+  void foretell(const SheetMotion& motion) noexcept;
 
   /// Where to look for it. \pre has_sighting() (contract)
   LandmarkForecast forecast(MonoTime time) const noexcept;
@@ -49,7 +54,7 @@ class Track {
   /// by an eighth meanwhile. None: nothing is remembered, or it is too long ago.
   std::optional<LandmarkForecast> remembered(MonoTime time) const noexcept;
 
-  /// Its motion is foretold so well, and its light is so even, that its outlines may be looked for at once.
+  /// Its motion is foretold so well that its outlines may be looked for at once.
   bool may_follow_outlines() const noexcept;
   /// A pose found by following outlines is what the track was after: as many dots, as good a fit, as certain, and
   /// turned as the track expects it; where it is in the picture the solver has asked. \pre prior() (contract)
@@ -82,7 +87,11 @@ class Track {
  private:
   /// Per second, in the camera frame.
   struct Motion {
-    Eigen::Vector3d rotation_rad_s, translation_m_s;
+    Eigen::Vector3d rotation_rad_s = Eigen::Vector3d::Zero(), translation_m_s = Eigen::Vector3d::Zero();
+    double over_s = 0;  ///< between which poses; 0: it was foretold
+    bool is_own() const noexcept { return over_s > 0; }
+    Eigen::Vector2d acceleration_1_s2 =
+        Eigen::Vector2d::Zero();  ///< of its ray (x/z, y/z): a camera that begins to turn
   };
   std::size_t choose(const PoseCandidates& candidates) const noexcept;
   void note_motion(const PoseEstimate& pose, MonoTime exposed_at) noexcept;
@@ -96,7 +105,6 @@ class Track {
   PosePrior prior_;
   PoseEstimate pose_;
   MonoTime pose_at_{};
-  bool light_smooth_ = false;
   std::optional<Motion> motion_;  // between the last two frames, if both had a pose
   double surprise_px_ = 0;        // how far the landmark was from where it was expected
   bool has_jumped_ = false;       // it had a pose, and was not where that let expect it

@@ -62,7 +62,7 @@ TEST_P(Views, AreFoundWithEveryDotNumberedRight) {
   EXPECT_GE(seen->front().seen_count, GetParam().min_seen);
   // The centre of a projected disc is not its centre's projection: up to r^2 sin t cos t / f, 2.6 px at 0.3 m.
   expect_dots_in_place(scene, seen->front(), 0.4 + 0.8 / GetParam().viewpoint.distance_m);
-  const auto again = detector.find_landmark_near(picture.view(), {seen->front(), false});
+  const auto again = detector.find_landmark_near(picture.view(), {seen->front(), ForecastNumbers::kByPriors});
   ASSERT_TRUE(again.has_value());
   expect_dots_in_place(scene, *again, 0.4 + 0.8 / GetParam().viewpoint.distance_m);
 }
@@ -254,7 +254,7 @@ TEST(Detector, KeepsATracksNumbersBeyondWhereThePriorsChangeTheirs) {
       const auto near = detector.find_landmark_near(picture.view(), *forecast);
       ASSERT_TRUE(near.has_value()) << frame;
       seen = *near;
-      const auto alone = detector.find_landmark_near(picture.view(), {seen, false});
+      const auto alone = detector.find_landmark_near(picture.view(), {seen, ForecastNumbers::kByPriors});
       ASSERT_TRUE(alone.has_value()) << frame;
       const bool renumbered_alone = (alone->dots[0].centroid_px - seen.dots[0].centroid_px).norm() > 5;
       priors_disagree += renumbered_alone ? 1 : 0;
@@ -271,7 +271,7 @@ TEST(Detector, KeepsATracksNumbersBeyondWhereThePriorsChangeTheirs) {
                   .norm(),
               4)
         << frame;
-    forecast = LandmarkForecast(seen, true);
+    forecast = LandmarkForecast(seen, ForecastNumbers::kForetold);
   }
   EXPECT_GE(priors_disagree, 3);
 }
@@ -287,6 +287,21 @@ TEST(Detector, TakesAPoseForAForecast) {
   EXPECT_EQ(seen->seen_count, 9);
   expect_dots_in_place(scene, *seen, 1.0);
   EXPECT_GT(seen->numbering_chi2[0], 50) << "upside down, as the priors see it";
+}
+
+TEST(Detector, NumbersADotByThePriorsWhereTheForecastIsNotMetUnlessColoursHaveNumberedIt) {
+  const test::Picture picture = test::render(scene_at({.distance_m = 1.5, .tilt_rad = 0.4}), 1);
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  const auto seen = detector.find_landmarks(picture.view());
+  ASSERT_TRUE(seen.has_value());
+  for (const double foretold_bigger : {1.0, 1.3}) {  // 0.15 of the ring's radius is still met
+    LandmarkForecast forecast(seen->front(), ForecastNumbers::kForetold);
+    forecast.H_ray_plane.leftCols<2>() *= foretold_bigger;
+    EXPECT_TRUE(detector.find_landmark_near(picture.view(), forecast).has_value()) << foretold_bigger;
+    forecast.numbers = ForecastNumbers::kCertain;
+    EXPECT_EQ(detector.find_landmark_near(picture.view(), forecast).has_value(), foretold_bigger < 1.1)
+        << foretold_bigger;
+  }
 }
 
 TEST(Detector, LooksNowhereForALandmarkBehindTheCameraOrNowhere) {
@@ -306,10 +321,16 @@ TEST(Detector, SaysWhenNothingIsThereAndWhenTheSizeIsWrong) {
   Detector detector(CameraModel{}, LandmarkGeometry{});
   EXPECT_EQ(detector.find_landmarks({blank.data(), 640, 480, 640}).error().code, Errc::kNoLandmark);
   EXPECT_EQ(detector.find_landmarks({blank.data(), 320, 240, 640}).error().code, Errc::kFrameSize);
-  EXPECT_EQ(detector.find_landmark_near({blank.data(), 320, 240, 640}, {LandmarkObservation{}, false}).error().code,
-            Errc::kFrameSize);
-  EXPECT_EQ(detector.find_landmark_near({blank.data(), 640, 480, 640}, {LandmarkObservation{}, false}).error().code,
-            Errc::kNoLandmark);
+  EXPECT_EQ(
+      detector.find_landmark_near({blank.data(), 320, 240, 640}, {LandmarkObservation{}, ForecastNumbers::kByPriors})
+          .error()
+          .code,
+      Errc::kFrameSize);
+  EXPECT_EQ(
+      detector.find_landmark_near({blank.data(), 640, 480, 640}, {LandmarkObservation{}, ForecastNumbers::kByPriors})
+          .error()
+          .code,
+      Errc::kNoLandmark);
 }
 
 }  // namespace

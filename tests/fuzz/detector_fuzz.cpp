@@ -230,7 +230,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t cou
   std::optional<LandmarkObservation> seen;
   if (found) seen = found->front();
   if (seen) check(*seen, camera);
-  LandmarkForecast forecast(seen ? *seen : LandmarkObservation{}, where / 2 % 2 == 0);
+  LandmarkForecast forecast(seen ? *seen : LandmarkObservation{}, static_cast<ForecastNumbers>(where / 2 % 3));
   if (!seen || where % 2 == 1) {
     (void)expected.byte();
     forecast.H_ray_plane = pose_homography(expected);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "geometry/renumbered.h"
 #include "pose/mirror_image.h"
 
 namespace ninedot {
@@ -91,10 +92,38 @@ TEST(Track, FollowsOutlinesOnlyWhileTheyAreForetoldToHalfAPixel) {
   EXPECT_FALSE(track.may_follow_outlines());
   taken(track, readings({reading(sheet_at(0.3, 0.008))}), MonoTime(1s + 40ms));  // as foretold
   EXPECT_TRUE(track.may_follow_outlines());
-  PoseCandidate shaded = reading(sheet_at(0.3, 0.012));
-  shaded.light_smooth = false;
-  taken(track, readings({shaded}), MonoTime(1s + 60ms));
-  EXPECT_FALSE(track.may_follow_outlines()) << "a shadow's edge";
+}
+
+TEST(Track, GoesByTheCamerasMotionWhereItHasNoneOfItsOwn) {
+  Track track({.focal_px = kFocal_px});
+  const SheetMotion motion{{0, 0.5, 0}, {0.3, 0, 0}};
+  track.foretell(motion);
+  EXPECT_EQ(track.prior(), nullptr) << "nor does it make a pose";
+  taken(track, readings({reading(sheet_at(0.30))}), MonoTime(1s));
+  track.foretell(motion);
+  EXPECT_NEAR(track.expected_at(MonoTime(1s + 20ms)).translation_m.x(), 0.006, 1e-12);
+  EXPECT_FALSE(track.motion()) << "not what the two last frames say";
+  taken(track, readings({reading(sheet_at(0.31, 0.002))}), MonoTime(1s + 20ms));
+  track.foretell(motion);
+  const CameraFromLandmark expected = track.expected_at(MonoTime(1s + 40ms));
+  EXPECT_NEAR(expected.translation_m.x(), 0.004, 1e-12) << "its own way, and what it was off by is no acceleration";
+  EXPECT_NEAR(angle_between_rad(expected, sheet_at(0.31)), 0.01, 1e-9) << "turning as the camera does";
+}
+
+TEST(Track, TakesOtherNumbersForNoMotion) {
+  Track track({.focal_px = kFocal_px});
+  taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));
+  taken(track, readings({reading(renumbered(sheet_at(0.3), 2))}), MonoTime(1s + 20ms));
+  EXPECT_LT(angle_between_rad(track.expected_at(MonoTime(1s + 40ms)), renumbered(sheet_at(0.3), 2)), 1e-9);
+}
+
+TEST(Track, ForetellsADirectionThatGainsSpeed) {
+  Track track({.focal_px = kFocal_px});
+  const auto aside_m = [](int frame) { return 0.0004 * frame * frame; };  // a third of a pixel more in every frame
+  for (int frame = 0; frame < 12; ++frame)
+    taken(track, readings({reading(sheet_at(0.3, aside_m(frame)))}), MonoTime(1s + frame * 20ms));
+  EXPECT_NEAR(track.expected_at(MonoTime(1s + 240ms)).translation_m.x(), aside_m(12), 0.00002);
+  EXPECT_NEAR(track.expected_at(MonoTime(1s + 260ms)).translation_m.x(), aside_m(13), 0.00006) << "two frames ahead";
 }
 
 TEST(Track, ChoosesByThePictureWhereThatCanTellAndByContinuityWhereItCannot) {
