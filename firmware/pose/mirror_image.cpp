@@ -1,9 +1,26 @@
 #include "pose/mirror_image.h"
 
+#include <algorithm>
+
 #include "base/inline_vector.h"
 #include "geometry/planar_pose.h"
 
 namespace ninedot {
+namespace {
+
+// Of the reflection's angle: what has come nearer has gone to the pose that it was to be the mirror image of.
+constexpr double kFellBack = 0.5;
+
+/// As much inclined to the other side of the line of sight: alike but for perspective.
+CameraFromLandmark reflected(const CameraFromLandmark& T) noexcept {
+  const Eigen::Vector3d sight = T.translation_m.normalized();
+  CameraFromLandmark other = T;
+  other.rotation -= 2 * sight * (sight.transpose() * T.rotation);
+  other.rotation.col(1) *= -1;  // the normal: seen from in front all the same
+  return other;
+}
+
+}  // namespace
 
 double angle_between_rad(const CameraFromLandmark& a, const CameraFromLandmark& b) noexcept {
   return log_so3(a.rotation.transpose() * b.rotation).norm();
@@ -15,10 +32,13 @@ CameraFromLandmark mirror_image(const CameraFromLandmark& T, const LandmarkGeome
     const Eigen::Vector2d C = landmark.centre_m(dot);
     (void)points.try_push_back({C, (T * Eigen::Vector3d(C.x(), 0, C.y())).hnormalized()});  // as many as dots
   }
+  const CameraFromLandmark reflection = reflected(T);
   const auto poses = solve_planar_pose(points.span());
-  if (!poses) return T;
+  if (!poses) return reflection;
   const CameraFromLandmark &a = (*poses)[0].T_camera_landmark, &b = (*poses)[1].T_camera_landmark;
-  return angle_between_rad(a, T) > angle_between_rad(b, T) ? a : b;
+  const double a_rad = angle_between_rad(a, T), b_rad = angle_between_rad(b, T);
+  if (std::max(a_rad, b_rad) < kFellBack * angle_between_rad(reflection, T)) return reflection;
+  return a_rad > b_rad ? a : b;
 }
 
 }  // namespace ninedot

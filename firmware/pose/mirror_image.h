@@ -6,7 +6,8 @@
 namespace ninedot {
 
 /// The pose from which the dots' centres look most like those of `T`, on the other side of the line of sight: the other
-/// solution of Collins & Bartoli, IJCV 2014, for the centres as `T` shows them. `T` itself where there is none.
+/// solution of Collins & Bartoli, IJCV 2014, for the centres as `T` shows them. Where perspective leaves these a single
+/// solution, the reflection: noise in a picture can have made a second one all the same, and `T` of it.
 /// Memory: none. Threads: pure.
 CameraFromLandmark mirror_image(const CameraFromLandmark& T_camera_landmark, const LandmarkGeometry& landmark) noexcept;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pose/ellipse_parameters.h"
+#include "pose/tilt_spread.h"
 
 namespace ninedot {
 namespace {
@@ -78,17 +79,21 @@ bool is_plausibly_hidden(const std::array<double, kDotCount>& visible) noexcept 
 
 /// From (rotation about the landmark's origin, translation) of the sheet before the camera to (position of the camera
 /// in S0, rotation vector in the camera frame): dc = R_lc (dw x t - dt), w = -dw.
-Matrix6d covariance_of(const OutlineRefiner& refiner, const Eigen::Matrix3d& R_landmark_camera,
-                       const CameraModel& camera) noexcept {
-  const Eigen::Vector3d& t = refiner.state().T_camera_landmark.translation_m;
+Matrix6d covariance_of(const OutlineRefiner& refiner, const DotSightings& dots, const CameraModel& camera,
+                       const LandmarkGeometry& landmark) noexcept {
+  const CameraFromLandmark& T = refiner.state().T_camera_landmark;
+  const Eigen::Vector3d& t = T.translation_m;
   Eigen::Matrix3d t_cross;
   t_cross << 0, -t.z(), t.y(), t.z(), 0, -t.x(), -t.y(), t.x(), 0;
   Matrix6d M = Matrix6d::Zero();
-  M.topLeftCorner<3, 3>() = -R_landmark_camera * t_cross / kLever_m;
-  M.topRightCorner<3, 3>() = -R_landmark_camera;
-  M.bottomLeftCorner<3, 3>() = -Eigen::Matrix3d::Identity() / kLever_m;
+  M.topLeftCorner<3, 3>() = -T.rotation.transpose() * t_cross;
+  M.topRightCorner<3, 3>() = -T.rotation.transpose();
+  M.bottomLeftCorner<3, 3>() = -Eigen::Matrix3d::Identity();
   const UnknownMatrix all = refiner.information().inverse();
-  Matrix6d covariance = M * all.topLeftCorner<6, 6>() * M.transpose();
+  Matrix6d of_step = all.topLeftCorner<kPoseUnknowns, kPoseUnknowns>();
+  of_step.topRows<3>() /= kLever_m;
+  of_step.leftCols<3>() /= kLever_m;
+  Matrix6d covariance = M * covariance_over_tilts(T, dots, landmark, of_step) * M.transpose();
   covariance = 0.5 * (covariance + covariance.transpose()).eval();
   covariance.bottomRightCorner<3, 3>().diagonal().array() += std::pow(kCommonShift_px / camera.fx_px, 2);
   return covariance;
@@ -117,7 +122,7 @@ PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& cam
   pose.T_landmark_camera = refiner.state().T_camera_landmark.inverse();
   pose.rms_px = refiner.rms_px();
   pose.ellipse = ellipse_parameters(pose.T_landmark_camera, camera, landmark);
-  pose.covariance = covariance_of(refiner, pose.T_landmark_camera.rotation, camera);
+  pose.covariance = covariance_of(refiner, candidate.dots, camera, landmark);
   const auto& visible = candidate.visible_share;
   pose.dots_used = static_cast<int>(std::ranges::count_if(visible, [](double share) { return share >= kMinVisible; }));
   pose.occlusion_level = occlusion_level(visible);

@@ -182,6 +182,29 @@ TEST(FullSolver, LooksAtTheMirrorImageAlsoWhereBothStartsAreOne) {
   EXPECT_EQ(wrong_and_sure, 0) << "of " << wrong << " on the wrong side, " << poses << " in all";
 }
 
+TEST(FullSolver, ErrsWithinItsCovarianceWhereViewsAreNearlyFrontal) {
+  double sum = 0;
+  int poses = 0;
+  for (int i = 0; i < 40; ++i) {
+    const test::Scene scene = scene_at(
+        {.distance_m = 3 + 1.5 * std::fmod(0.12 * i, 1), .tilt_rad = 0.085 * i * kDegree, .azimuth_rad = 2.4 * i},
+        1 + 2 * std::fmod(0.18 * i, 1));
+    const auto pose = pose_of(test::render(scene, static_cast<std::uint64_t>(i)));
+    ASSERT_TRUE(pose.has_value()) << i;
+    const Errors e = errors_of(scene, *pose);
+    if (pose->ambiguity > 0.01) continue;
+    EXPECT_LT(e.normalised2, 36) << i;
+    sum += e.normalised2;
+    ++poses;
+  }
+  const double error_over_sigma = std::sqrt(sum / (6 * poses));
+  RecordProperty("poses", poses);
+  RecordProperty("error_over_sigma", std::to_string(error_over_sigma));
+  EXPECT_GE(poses, 18);
+  EXPECT_GT(error_over_sigma, 0.8);
+  EXPECT_LT(error_over_sigma, 1.15);
+}
+
 TEST(FullSolver, ReportsTheFoundingPapersQuantities) {
   const auto pose = pose_of(test::render(scene_at({.distance_m = 1.3, .tilt_rad = 35 * kDegree}), 5));
   ASSERT_TRUE(pose.has_value());
@@ -230,6 +253,15 @@ TEST(FullSolverTrack, FindsThePoseOfASolverThatWasToldWhereToLook) {
       EXPECT_EQ(followed->dots_used, 9);
     }
   }
+}
+
+TEST(FullSolverTrack, FollowsWhereTheMirrorImageIsWithinTheUncertainty) {
+  const test::Scene scene = scene_at({.distance_m = 3.5, .tilt_rad = 0.5 * kDegree});
+  OnePicture before(scene);
+  ASSERT_TRUE(before.prior.has_value());
+  int followed = 0;
+  for (std::uint64_t seed = 2; seed < 10; ++seed) followed += before.follow(scene, seed).has_value();
+  EXPECT_GE(followed, 6) << "of 8; the others are ambiguous";
 }
 
 TEST(FullSolverTrack, AsksForADetectorWhenTheLandmarkIsNotQuiteThere) {
