@@ -52,6 +52,16 @@ TEST(Hypothesis, OfAWholeRingHasAllNineDotsAndNothingIsCut) {
   EXPECT_EQ(g.cuts.hypotheses, 0U);
 }
 
+TEST(Hypothesis, OfACentreAndEverySecondDotHasAllFive) {
+  Guesses g;
+  add_ring(g.blobs, 300, 200, 60, 8);
+  for (const std::size_t covered : {7U, 5U, 3U, 1U}) g.blobs[covered] = g.blobs[g.blobs.size() - 1], g.blobs.pop_back();
+  g.sorted.assign(g.blobs);
+  g.from_centre();
+  ASSERT_EQ(g.list.size(), 1U);
+  EXPECT_EQ(g.list[0].matched, 5);
+}
+
 TEST(Hypothesis, CountsNeighboursOfACentreThatItHasNoRoomFor) {
   Guesses g;
   add_ring(g.blobs, 300, 200, 150, 31);

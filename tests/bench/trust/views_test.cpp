@@ -1,0 +1,91 @@
+// Views of the landmark that were a valid pose far from the truth, or ended the process: each is right now, or not
+// valid.
+#include "tests/bench/trust/views.h"
+
+#include <gtest/gtest.h>
+
+#include <string_view>
+#include <vector>
+
+#include "tests/bench/trust/effects.h"
+#include "tests/bench/trust/judge.h"
+
+namespace ninedot::bench {
+namespace {
+
+/// One picture of a kind of views, without the bound: that takes longer than all the rest.
+MovingView view_of(std::string_view kind, std::uint64_t seed) {
+  test::Random random(seed);
+  MovingView view = usual_view(random);
+  for (const ViewKind& one : view_kinds())
+    if (one.name == kind) one.set(view, random);
+  view.has_bound = false;
+  return view;
+}
+
+Verdict verdict_on(std::vector<Shot> shots) { return judge({"", "", std::move(shots)}).front(); }
+
+struct View {
+  const char* test;
+  const char* kind;  ///< ViewKind::name
+  std::vector<std::uint64_t> seeds;
+};
+
+class RightViews : public testing::TestWithParam<View> {};
+
+TEST_P(RightViews, AreValidAndRight) {
+  for (const std::uint64_t seed : GetParam().seeds) {
+    const Verdict verdict = verdict_on(shoot(view_of(GetParam().kind, seed), 1, seed));
+    EXPECT_TRUE(verdict.valid && !verdict.wrong && !verdict.beyond)
+        << GetParam().kind << ", seed " << seed << ", off by " << verdict.error_m << " m";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Trust, RightViews,
+                         testing::Values(View{"WhereTheFirstOfSeveralStartsIsWrong", "50 % hidden", {12, 29}},
+                                         View{"WhereAWrongStartFitted", "40 % hidden", {14}},
+                                         View{"OfASheetThatIsNotFlat", "smoothly warped sheet", {3}}),
+                         [](const auto& view) { return view.param.test; });
+
+class DoubtfulViews : public testing::TestWithParam<View> {};
+
+TEST_P(DoubtfulViews, AreNoValidPoseThatIsWrong) {
+  for (const std::uint64_t seed : GetParam().seeds) {
+    const Verdict verdict = verdict_on(shoot(view_of(GetParam().kind, seed), 1, seed));
+    EXPECT_TRUE(verdict.found) << GetParam().kind << ", seed " << seed;
+    EXPECT_FALSE(verdict.wrong) << GetParam().kind << ", seed " << seed << ", off by " << verdict.error_m << " m";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Trust, DoubtfulViews,
+                         testing::Values(View{"WhereAWrongStartFits", "50 % hidden", {8, 9, 15}},
+                                         View{"BehindStripesOfShade", "striped shadow", {53}},
+                                         View{"RolledNearlyToTheNextNumbering", "roll of 15 to 25 degrees", {2, 5}}),
+                         [](const auto& view) { return view.param.test; });
+
+struct Effected {
+  const char* test;
+  const char* effect;  ///< Effect::name
+  std::uint64_t seed;
+  double distance_m;
+};
+class CameraEffects : public testing::TestWithParam<Effected> {};
+
+TEST_P(CameraEffects, MakeNoValidPoseThatIsWrong) {
+  MovingView view = view_of("", GetParam().seed);
+  view.at.distance_m = GetParam().distance_m;
+  for (const Effect& effect : effects()) {
+    if (effect.name != std::string_view(GetParam().effect)) continue;
+    const Verdict verdict = verdict_on(shoot_through({effect}, view, 1, GetParam().seed)[0]);
+    EXPECT_TRUE(verdict.found);
+    EXPECT_FALSE(verdict.wrong || verdict.beyond) << "off by " << verdict.error_m << " m";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Trust, CameraEffects,
+                         testing::Values(Effected{"Defocus", "defocus, disc of 1.5 to 3 px", 6, 4.75},
+                                         Effected{"MedianFilter", "median of 3 x 3", 5, 5.76}),
+                         [](const auto& effected) { return effected.param.test; });
+
+}  // namespace
+}  // namespace ninedot::bench
