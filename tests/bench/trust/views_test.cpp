@@ -25,6 +25,11 @@ MovingView view_of(std::string_view kind, std::uint64_t seed) {
 
 Verdict verdict_on(std::vector<Shot> shots) { return judge({"", "", std::move(shots)}).front(); }
 
+/// Of six degrees of freedom: one honest pose in a million is further off.
+constexpr double kFarOff_chi2 = 38.3;
+
+bool is_right(const Verdict& verdict) { return !verdict.wrong && !verdict.beyond && verdict.nees < kFarOff_chi2; }
+
 struct View {
   const char* test;
   const char* kind;  ///< ViewKind::name
@@ -36,16 +41,18 @@ class RightViews : public testing::TestWithParam<View> {};
 TEST_P(RightViews, AreValidAndRight) {
   for (const std::uint64_t seed : GetParam().seeds) {
     const Verdict verdict = verdict_on(shoot(view_of(GetParam().kind, seed), 1, seed));
-    EXPECT_TRUE(verdict.valid && !verdict.wrong && !verdict.beyond)
+    EXPECT_TRUE(verdict.valid && is_right(verdict))
         << GetParam().kind << ", seed " << seed << ", off by " << verdict.error_m << " m";
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Trust, RightViews,
-                         testing::Values(View{"WhereTheFirstOfSeveralStartsIsWrong", "50 % hidden", {12, 29}},
-                                         View{"WhereAWrongStartFitted", "40 % hidden", {14}},
-                                         View{"OfASheetThatIsNotFlat", "smoothly warped sheet", {3}}),
-                         [](const auto& view) { return view.param.test; });
+INSTANTIATE_TEST_SUITE_P(
+    Trust, RightViews,
+    testing::Values(View{"WhereTheFirstOfSeveralStartsIsWrong", "50 % hidden", {12, 29}},
+                    View{"WhereAWrongStartFitted", "40 % hidden", {14}},
+                    View{"WhereTheMirrorImageHasNoStartOfItsOwn", "nearly frontal, 3 to 4.5 m", {2, 39}},
+                    View{"OfASheetThatIsNotFlat", "smoothly warped sheet", {3}}),
+    [](const auto& view) { return view.param.test; });
 
 class DoubtfulViews : public testing::TestWithParam<View> {};
 
@@ -53,12 +60,13 @@ TEST_P(DoubtfulViews, AreNoValidPoseThatIsWrong) {
   for (const std::uint64_t seed : GetParam().seeds) {
     const Verdict verdict = verdict_on(shoot(view_of(GetParam().kind, seed), 1, seed));
     EXPECT_TRUE(verdict.found) << GetParam().kind << ", seed " << seed;
-    EXPECT_FALSE(verdict.wrong) << GetParam().kind << ", seed " << seed << ", off by " << verdict.error_m << " m";
+    EXPECT_TRUE(is_right(verdict)) << GetParam().kind << ", seed " << seed << ", off by " << verdict.error_m << " m";
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Trust, DoubtfulViews,
                          testing::Values(View{"WhereAWrongStartFits", "50 % hidden", {8, 9, 15}},
+                                         View{"NearlyFrontalAndFarAway", "nearly frontal, 3 to 4.5 m", {34}},
                                          View{"BehindStripesOfShade", "striped shadow", {53}},
                                          View{"RolledNearlyToTheNextNumbering", "roll of 15 to 25 degrees", {2, 5}}),
                          [](const auto& view) { return view.param.test; });
@@ -78,7 +86,7 @@ TEST_P(CameraEffects, MakeNoValidPoseThatIsWrong) {
     if (effect.name != std::string_view(GetParam().effect)) continue;
     const Verdict verdict = verdict_on(shoot_through({effect}, view, 1, GetParam().seed)[0]);
     EXPECT_TRUE(verdict.found);
-    EXPECT_FALSE(verdict.wrong || verdict.beyond) << "off by " << verdict.error_m << " m";
+    EXPECT_TRUE(is_right(verdict)) << "off by " << verdict.error_m << " m";
   }
 }
 
