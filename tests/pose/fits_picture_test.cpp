@@ -1,0 +1,49 @@
+#include <gtest/gtest.h>
+
+#include "pose/pose_of_outlines.h"
+#include "tests/image/noise_picture.h"
+
+namespace ninedot {
+namespace {
+
+/// A fit of P9 and its neighbours from P1 on, without a fault but the residual that it leaves of a contrast of 100.
+PoseCandidate candidate_with(int dots, double residual_lsb) {
+  PoseCandidate candidate;
+  candidate.pose.dots_used = dots;
+  candidate.dot_radius_px = 6;
+  candidate.outlines.blur_px2 = 0.5;
+  candidate.visible_share[kCentreDot] = 1;
+  for (int dot = 0; dot + 1 < dots; ++dot) candidate.visible_share[static_cast<std::size_t>(dot)] = 1;
+  candidate.fit = {100, 178, residual_lsb};
+  return candidate;
+}
+
+PictureNoise noise_of(double sigma_lsb) {
+  const auto pixels = test::noise_picture(640, 480, 640, sigma_lsb);
+  return PictureNoise({pixels.data(), 640, 480, 640});
+}
+
+TEST(FitsPicture, WhatIsLeftOverIsHeldAgainstTheNoiseOfThePictureAndNotAgainstItself) {
+  const PictureNoise quiet = noise_of(2), noisy = noise_of(6);
+  EXPECT_TRUE(fits_picture(candidate_with(6, 2), quiet, {}));
+  EXPECT_FALSE(fits_picture(candidate_with(6, 8), quiet, {}));
+  EXPECT_TRUE(fits_picture(candidate_with(6, 8), noisy, {}));
+  EXPECT_FALSE(fits_picture(candidate_with(6, 16), noisy, {}));
+}
+
+TEST(FitsPicture, NineDotsMayLeaveMoreThanSixBecauseTheyAreNoChance) {
+  const PictureNoise quiet = noise_of(2);
+  EXPECT_TRUE(fits_picture(candidate_with(9, 8), quiet, {}));
+  EXPECT_FALSE(fits_picture(candidate_with(9, 16), quiet, {}));
+}
+
+TEST(FitsPicture, FiveGreyLevelsOfContrastAreTextureInAUsualPicture) {
+  const PictureNoise usual = noise_of(2);
+  PoseCandidate candidate = candidate_with(9, 2);
+  EXPECT_TRUE(fits_picture(candidate, usual, {}));
+  candidate.fit.contrast_lsb = 5;
+  EXPECT_FALSE(fits_picture(candidate, usual, {}));
+}
+
+}  // namespace
+}  // namespace ninedot
