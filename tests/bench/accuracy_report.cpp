@@ -73,7 +73,10 @@ std::string conditions(int trials) {
   return fmt::format(
       R"(Made by `build/release/bin/accuracy --out docs/accuracy.md` (CMake option `NINEDOT_BENCH`) from {0} rendered frames per
 row. The renderer ([tests/support/renderer.h](../tests/support/renderer.h)) shares no projection code with the estimator
-and is itself checked against path-traced pictures. The same command gives the same numbers.
+and is itself checked against path-traced pictures. That of rooms
+([tests/support/room_renderer.h](../tests/support/room_renderer.h)) gives the same bytes where nothing moves; beside
+another program's pictures of a room, of a walking camera with motion blur and a rolling shutter, its outlines are within
+0.006 px and its grey levels over a sheet within 0.7 (rms). The same command gives the same numbers.
 
 ## Conditions
 

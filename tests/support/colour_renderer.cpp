@@ -60,16 +60,19 @@ LinearRgb light_of_kelvin(double kelvin, double balanced_for_kelvin) {
 }
 
 ColourPicture render_colour(const ColourScene& scene, ChromaLayout layout, std::uint64_t seed) {
-  const int width = scene.scene.lens.width_px, height = scene.scene.lens.height_px;
+  ColourExposure exposure;
+  for (std::size_t c = 0; c < exposure.size(); ++c) exposure[c] = expose_channel(scene, kChannels[c]);
+  return read_out(exposure, scene.scene.sensor, layout, seed);
+}
+
+ColourPicture read_out(const ColourExposure& exposure, const Sensor& sensor, ChromaLayout layout, std::uint64_t seed) {
+  const int width = exposure[0].width_px, height = exposure[0].height_px;
   EXPECTS(width % 2 == 0 && height % 2 == 0);
-  std::array<Exposure, 3> exposures;
-  for (std::size_t c = 0; c < exposures.size(); ++c) exposures[c] = expose_channel(scene, kChannels[c]);
-  const Sensor& sensor = scene.scene.sensor;
-  std::vector<double> mosaic(exposures[0].light.size());
+  std::vector<double> mosaic(exposure[0].light.size());
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const auto i = static_cast<std::size_t>(y * width + x);
-      const double light = exposures[static_cast<std::size_t>(measured_at(x, y))].light[i];
+      const double light = exposure[static_cast<std::size_t>(measured_at(x, y))].light[i];
       mosaic[i] = light + std::sqrt(sensor.noise_a * light + sensor.noise_b) * random_normal(seed, i);
     }
 

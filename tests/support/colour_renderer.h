@@ -1,6 +1,7 @@
 #pragma once
 /// Pictures of coloured landmarks: three exposures of the renderer, one for each of red, green and blue, read out
 /// through a Bayer pattern and handed over as luma with chroma of half its resolution, as cameras do.
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -43,9 +44,15 @@ struct ColourPicture {
   }
 };
 
+/// Of red, green and blue.
+using ColourExposure = std::array<Exposure, 3>;
+
 /// Every pixel measures one of the colours (RGGB) with the sensor's noise; the others are means of its neighbours'.
 /// Then tone curve, ITU-R BT.601 in its full range, mean of each block of chroma, eight bits. The same seed gives the
-/// same picture. \param scene  of even width and height (contract)
+/// same picture. \param exposure  of even width and height (contract)
+ColourPicture read_out(const ColourExposure& exposure, const Sensor& sensor, ChromaLayout layout, std::uint64_t seed);
+
+/// The scene's exposure, read out. \param scene  of even width and height (contract)
 ColourPicture render_colour(const ColourScene& scene, ChromaLayout layout, std::uint64_t seed);
 
 }  // namespace ninedot::test

@@ -1,24 +1,23 @@
 // One exposure. A ray per pixel's cell meets the wall; cells that an outline crosses get 8 x 8 of them, each with its
-// own cover. The point spread and the pixel's square then act on the sub-samples directly: per axis, the weight of a
-// sample at d px from a pixel's centre is Phi((d + 1/2) / s) - Phi((d - 1/2) / s).
+// own cover.
 #include "tests/support/renderer.h"
 
 #include <Eigen/Core>
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
-#include <utility>
+#include <vector>
 
 #include "base/contract.h"
+#include "tests/support/renderer_film.h"
 #include "tests/support/renderer_optics.h"
 #include "tests/support/renderer_wall.h"
 
 namespace ninedot::test {
 namespace {
 
-constexpr int kSub = 8;                // sub-samples per pixel and axis
-constexpr double kEdgeReach_px = 1.7;  // a cell with an edge within half of this from its middle is sub-sampled
-constexpr double kFarthest_m = 60;     // beyond is the horizon
+constexpr int kSub = 8;             // sub-samples per pixel and axis
+constexpr double kFarthest_m = 60;  // beyond is the horizon
 
 // Rays of the picture's pixels and of a margin around it, one row and column more for their derivatives.
 class RayGrid {
@@ -75,99 +74,12 @@ class RayGrid {
   std::vector<Ray> rays_;
 };
 
-// Point spread and pixel square along one axis: weights of the kSub samples of a cell for the pixels -reach..reach
-// away.
-class Spread {
- public:
-  explicit Spread(double sigma_px) : reach_(static_cast<int>(std::ceil(0.5 + 4 * sigma_px))) {
-    const auto step = [&](double d_px) {
-      return sigma_px > 0 ? 0.5 * std::erfc(-d_px / (sigma_px * std::sqrt(2.0))) : (d_px > 0 ? 1.0 : 0.0);
-    };
-    weights_.resize(static_cast<std::size_t>((2 * reach_ + 1) * kSub));
-    for (int i = 0; i < kSub; ++i) {
-      double sum = 0;
-      for (int pixel = -reach_; pixel <= reach_; ++pixel) {
-        const double d_px = (i + 0.5) / kSub - 0.5 - pixel;
-        sum += weight(pixel, i) = step(d_px + 0.5) - step(d_px - 0.5);
-      }
-      for (int pixel = -reach_; pixel <= reach_; ++pixel) weight(pixel, i) /= sum * kSub;
-    }
-  }
-  int reach() const { return reach_; }
-  double& weight(int pixel, int sample) { return weights_[static_cast<std::size_t>((pixel + reach_) * kSub + sample)]; }
-  double weight(int pixel, int sample) const {
-    return weights_[static_cast<std::size_t>((pixel + reach_) * kSub + sample)];
-  }
-
- private:
-  int reach_;
-  std::vector<double> weights_;
-};
-
-// Collects cells into pixels.
-class Film {
- public:
-  Film(int width_px, int height_px, const Spread& spread)
-      : spread_(spread),
-        exposure_{width_px, height_px, {}},
-        column_(static_cast<std::size_t>(2 * spread.reach() + 1) * kSub) {
-    exposure_.light.resize(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));
-  }
-
-  // \param samples  kSub x kSub, row by row, of the cell of pixel (x, y), which may lie outside of the picture
-  void add(int x, int y, const std::array<double, kSub * kSub>& samples) {
-    const int reach = spread_.reach();
-    for (int dx = -reach; dx <= reach; ++dx)
-      for (int j = 0; j < kSub; ++j) {
-        double sum = 0;
-        for (int i = 0; i < kSub; ++i) sum += spread_.weight(dx, i) * samples[static_cast<std::size_t>(j * kSub + i)];
-        column_[static_cast<std::size_t>((dx + reach) * kSub + j)] = sum;
-      }
-    for (int dy = std::max(-reach, -y); dy <= std::min(reach, exposure_.height_px - 1 - y); ++dy)
-      for (int dx = std::max(-reach, -x); dx <= std::min(reach, exposure_.width_px - 1 - x); ++dx) {
-        double sum = 0;
-        for (int j = 0; j < kSub; ++j)
-          sum += spread_.weight(dy, j) * column_[static_cast<std::size_t>((dx + reach) * kSub + j)];
-        exposure_.light[static_cast<std::size_t>((y + dy) * exposure_.width_px + x + dx)] += sum;
-      }
-  }
-
-  // Cells of one value each, margin included, all at once: the same sums, taken apart by axis.
-  void add_flat(const std::vector<double>& cells) {
-    const int reach = spread_.reach(), width = exposure_.width_px, height = exposure_.height_px,
-              stride = width + 2 * reach;
-    std::vector<double> whole(static_cast<std::size_t>(2 * reach + 1));
-    for (int d = -reach; d <= reach; ++d)
-      for (int i = 0; i < kSub; ++i) whole[static_cast<std::size_t>(d + reach)] += spread_.weight(d, i);
-    std::vector<double> rows(static_cast<std::size_t>((height + 2 * reach) * width));
-    for (int y = 0; y < height + 2 * reach; ++y)
-      for (int x = 0; x < width; ++x) {
-        double sum = 0;
-        for (int d = 0; d <= 2 * reach; ++d)
-          sum += whole[static_cast<std::size_t>(d)] * cells[static_cast<std::size_t>(y * stride + x + d)];
-        rows[static_cast<std::size_t>(y * width + x)] = sum;
-      }
-    for (int d = 0; d <= 2 * reach; ++d)
-      for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x)
-          exposure_.light[static_cast<std::size_t>(y * width + x)] +=
-              whole[static_cast<std::size_t>(d)] * rows[static_cast<std::size_t>((y + d) * width + x)];
-  }
-
-  Exposure take() { return std::move(exposure_); }
-
- private:
-  const Spread& spread_;
-  Exposure exposure_;
-  std::vector<double> column_;
-};
-
 }  // namespace
 
 Exposure expose(const Scene& scene) {
   EXPECTS(scene.camera.position_m[1] > 0 && scene.sensor.point_spread_px >= 0);
   Wall wall(scene);
-  const Spread spread(scene.sensor.point_spread_px);
+  const Spread spread(scene.sensor.point_spread_px, kSub);
   const int margin = spread.reach();
   const RayGrid rays(scene, margin);
   const int width = scene.lens.width_px + 2 * margin, height = scene.lens.height_px + 2 * margin;

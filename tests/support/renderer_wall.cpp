@@ -1,74 +1,12 @@
 #include "tests/support/renderer_wall.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "base/contract.h"
-#include "tests/support/random.h"
 
 namespace ninedot::test {
 namespace {
-
-// Part of the sample on the inner side of an outline, from the distance to it in the wall (negative inside) and the
-// outline's unit normal there.
-double cover(Spot& spot, double distance_m, const Eigen::Vector2d& normal, double softness_m = 0) {
-  const double m_per_px = (spot.per_px.transpose() * normal).norm();
-  const double width_m = std::max(spot.sample_px * m_per_px, softness_m);
-  const double inside = std::clamp(0.5 - distance_m / width_m, 0.0, 1.0);
-  if (inside > 0 && inside < 1) spot.edge_near = true;
-  return inside;
-}
-
-// |distance| < half: what is inside both edges = inside of one + inside of the other - 1, right for strokes thinner
-// than a sample too.
-double cover_between(Spot& spot, double distance_m, double half_m, const Eigen::Vector2d& normal,
-                     double softness_m = 0) {
-  return std::max(0.0, cover(spot, distance_m - half_m, normal, softness_m) +
-                           cover(spot, -distance_m - half_m, normal, softness_m) - 1);
-}
-
-// A rectangle anywhere in the wall: |along| < half_length, |across| < half_width.
-double cover_of_rectangle(Spot& spot, const Eigen::Vector2d& middle_m, const Eigen::Vector2d& along,
-                          double half_length_m, double half_width_m) {
-  const Eigen::Vector2d across(-along.y(), along.x());
-  const Eigen::Vector2d offset_m = spot.at_m - middle_m;
-  return cover_between(spot, offset_m.dot(along), half_length_m, along) *
-         cover_between(spot, offset_m.dot(across), half_width_m, across);
-}
-
-double cover_of_disc(Spot& spot, const Eigen::Vector2d& middle_m, double radius_m) {
-  const Eigen::Vector2d offset_m = spot.at_m - middle_m;
-  const double rho_m = offset_m.norm();
-  return cover(spot, rho_m - radius_m, rho_m > 0 ? Eigen::Vector2d(offset_m / rho_m) : Eigen::Vector2d::UnitX());
-}
-
-// Smooth noise in [-1, 1]: random values at the corners of a square lattice, three octaves.
-double lattice_noise(double x, double y, std::uint64_t seed) {
-  const double x0 = std::floor(x), y0 = std::floor(y);
-  const auto corner = [&](double i, double j) {
-    const auto key = static_cast<std::uint64_t>(static_cast<std::int64_t>(i)) * 0x1F123BB5ULL +
-                     static_cast<std::uint64_t>(static_cast<std::int64_t>(j)) * 0x9E3779B1ULL;
-    return 2 * random_uniform(seed, key) - 1;
-  };
-  const auto ease = [](double t) { return t * t * (3 - 2 * t); };
-  const double fx = ease(x - x0), fy = ease(y - y0);
-  const double top = corner(x0, y0) + fx * (corner(x0 + 1, y0) - corner(x0, y0));
-  const double bottom = corner(x0, y0 + 1) + fx * (corner(x0 + 1, y0 + 1) - corner(x0, y0 + 1));
-  return top + fy * (bottom - top);
-}
-
-double textured(const Texture& texture, const Spot& spot) {
-  if (texture.contrast <= 0) return texture.reflectance;
-  double sum = 0, amplitude = 1, grain_m = texture.grain_m;
-  const double pixel_m = std::sqrt(std::abs(spot.per_px.determinant()));
-  for (int octave = 0; octave < 3 && grain_m > 2 * pixel_m; ++octave) {
-    sum += amplitude * lattice_noise(spot.at_m.x() / grain_m, spot.at_m.y() / grain_m,
-                                     texture.seed + static_cast<unsigned>(octave));
-    amplitude /= 2, grain_m /= 2;
-  }
-  return std::clamp(texture.reflectance * (1 + texture.contrast * sum), 0.0, 1.0);
-}
 
 Eigen::Vector2d heading(double direction_rad) { return {std::cos(direction_rad), std::sin(direction_rad)}; }
 

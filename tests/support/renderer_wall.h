@@ -1,22 +1,12 @@
 #pragma once
 /// What the renderer's rays meet: paint on the wall, the board before it, the light on both.
-///
-/// Along outlines, distances in the wall become distances in pixels through J, the local map of the cell, and the cover
-/// of a sample is that of a straight edge through a square of the sample's size.
 #include <Eigen/Core>
 #include <vector>
 
 #include "tests/support/renderer.h"
+#include "tests/support/renderer_cover.h"
 
 namespace ninedot::test {
-
-/// A place on the wall, (X0, Z0), and the size of a sample there.
-struct Spot {
-  Eigen::Vector2d at_m{0, 0};
-  Eigen::Matrix2d per_px = Eigen::Matrix2d::Zero();  ///< J = d(at_m) / d(pixel)
-  double sample_px = 1;                              ///< side of the sample
-  bool edge_near = false;                            ///< set by the wall: an outline crosses the sample
-};
 
 /// The scene, with everything that does not depend on the pixel worked out once. The scene must outlive it.
 class Wall {
