@@ -72,9 +72,10 @@ class Geometry {
   double board_offset_m_ = 0;
 };
 
-// The nearest outline: its signed distance from the spot, and the direction in which it grows.
+// The nearest outline: its signed distance from the spot, the direction in which it grows, and what is inside.
 struct Outline {
   double distance_m = 1e9;
+  double reflectance = 0;
   Eigen::Vector2d normal{1, 0};
 };
 
@@ -84,7 +85,7 @@ Outline nearest_outline(const test::Sheet& sheet, const Eigen::Vector2d& at_m) {
     const Eigen::Vector2d offset_m = at_m - Eigen::Vector2d(sheet.x_m + disc.x_m, sheet.z_m + disc.z_m);
     const double rho_m = offset_m.norm();
     if (rho_m - disc.radius_m >= nearest.distance_m) continue;
-    nearest.distance_m = rho_m - disc.radius_m;
+    nearest.distance_m = rho_m - disc.radius_m, nearest.reflectance = disc.reflectance;
     if (rho_m > 0) nearest.normal = offset_m / rho_m;
   }
   return nearest;
@@ -128,7 +129,7 @@ std::optional<PoseBound> cramer_rao_bound(const Scene& scene) {
   const Geometry geometry(scene);
   const test::Sheet& sheet = scene.sheets.front();
   const double clear = (1 - scene.haze.veil) * scene.light.level, veil = scene.haze.veil * scene.haze.level;
-  const double paper = clear * sheet.reflectance + veil, ink = clear * sheet.discs.front().reflectance + veil;
+  const double paper = clear * sheet.reflectance + veil;
   const double blur_px = std::sqrt(scene.sensor.point_spread_px * scene.sensor.point_spread_px + 1.0 / 12);
   const Window window = window_of(scene);
   Information information = Information::Zero();
@@ -142,6 +143,7 @@ std::optional<PoseBound> cramer_rao_bound(const Scene& scene) {
           std::hypot(outline.normal.dot(right->at_m - left->at_m), outline.normal.dot(below->at_m - above->at_m));
       const double d = outline.distance_m / m_per_px / blur_px;  // in sigmas of the blur
       if (d * blur_px > kFarOutside_px) continue;
+      const double ink = clear * outline.reflectance + veil;
       const double cover = 0.5 * std::erfc(d / std::numbers::sqrt2);
       const double density = std::exp(-d * d / 2) / std::sqrt(2 * std::numbers::pi);
       Derivatives j;

@@ -3,9 +3,10 @@
 ///
 /// Model: pixel = paper + (ink - paper) Phi(-d / b), d its signed distance in px to the nearest outline and
 /// b^2 = point spread^2 + 1/12 (the pixel's square); independent noise of variance a L + b in linear light, plus that
-/// of rounding to whole grey levels. Unknown: the six of the pose, and as nuisances paper, ink and blur. The camera is
-/// known. With J the derivatives of all pixels, the bound is the pose block of (J^T diag(1 / variance) J)^-1 (S. Kay,
-/// "Fundamentals of Statistical Signal Processing: Estimation Theory", 1993, section 3.9).
+/// of rounding to whole grey levels. Unknown: the six of the pose, and as nuisances paper, ink (of discs of several
+/// inks: how much darker or lighter all of them are than they are said to be) and blur. The camera is known. With J the
+/// derivatives of all pixels, the bound is the pose block of (J^T diag(1 / variance) J)^-1 (S. Kay, "Fundamentals of
+/// Statistical Signal Processing: Estimation Theory", 1993, section 3.9).
 #include <Eigen/Core>
 #include <optional>
 

@@ -55,6 +55,13 @@ std::vector<RoomWall::Mark> marks_of(const HungLandmark& landmark, const Eigen::
 
 }  // namespace
 
+double irradiance(const Lamp& lamp, const Eigen::Vector3d& to_lamp_m, const Eigen::Vector3d& normal) {
+  if (lamp.strength_m2 <= 0) return lamp.ambient;
+  const double r2_m2 = to_lamp_m.squaredNorm();
+  const double cosine = std::max(0.0, to_lamp_m.dot(normal) / std::sqrt(r2_m2));
+  return lamp.ambient + lamp.strength_m2 * cosine / (r2_m2 + lamp.softening_m2);
+}
+
 Eigen::Matrix3d axes_of(RoomSide side) { return axes_of(axis_of(side), is_high(side)); }
 
 Eigen::Vector3d place_of(const Room& room, const HungLandmark& landmark) {
@@ -140,15 +147,8 @@ Eigen::Array3d RoomWall::light_of_sample(Spot& spot, const Marks& near) const {
     if (part >= 1) reflectance = mark->reflectance;
     if (part > 0 && part < 1) reflectance += part * (mark->reflectance - reflectance);
   }
-  return reflectance * (irradiance(spot.at_m) * tint_);
-}
-
-double RoomWall::irradiance(const Eigen::Vector2d& at_m) const {
-  if (lamp_.strength_m2 <= 0) return lamp_.ambient;
-  const Eigen::Vector3d to_lamp_m = lamp_m_ - Eigen::Vector3d(at_m.x(), 0, at_m.y());
-  const double r2_m2 = to_lamp_m.squaredNorm();
-  const double cosine = std::max(0.0, to_lamp_m.y() / std::sqrt(r2_m2));
-  return lamp_.ambient + lamp_.strength_m2 * cosine / (r2_m2 + lamp_.softening_m2);
+  const Eigen::Vector3d to_lamp_m = lamp_m_ - Eigen::Vector3d(spot.at_m.x(), 0, spot.at_m.y());
+  return reflectance * (irradiance(lamp_, to_lamp_m, Eigen::Vector3d::UnitY()) * tint_);
 }
 
 }  // namespace ninedot::test

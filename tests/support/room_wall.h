@@ -41,6 +41,9 @@ struct Lamp {
   double softening_m2 = 1;
 };
 
+/// \param to_lamp_m  from the place that is lit \param normal  of the surface there; in the same frame, any
+double irradiance(const Lamp& lamp, const Eigen::Vector3d& to_lamp_m, const Eigen::Vector3d& normal);
+
 struct Room {
   std::array<double, 3> low_m{-4, -3, 0}, high_m{4, 3, 2.8};
   std::vector<HungLandmark> landmarks;
@@ -96,7 +99,6 @@ class RoomWall {
     Eigen::Vector2d low_m_;
     Eigen::ArrayXXd values_;  ///< empty: even
   };
-  double irradiance(const Eigen::Vector2d& at_m) const;
 
   Eigen::Matrix3d R_side_world_;
   Eigen::Vector3d origin_m_;
