@@ -129,7 +129,7 @@ Eigen::Array3d RoomWall::light_of_cell(Spot& spot, Marks& near) const {
   near.clear();
   const double margin_m = spot.sample_px * spot.per_px.norm();
   const auto is_near = [&](const Mark& mark) {
-    const double reach_m = mark.reach_m() + margin_m;
+    const double reach_m = mark.reach_m + margin_m;
     return (spot.at_m - mark.middle_m).squaredNorm() < reach_m * reach_m;
   };
   for (const std::vector<Mark>& thing : things_) {

@@ -76,7 +76,7 @@ class RoomWall {
     double half_width_m = 0, half_height_m = 0;
     bool round = false;  ///< a disc of radius half_width_m
     Eigen::Array3d reflectance{0, 0, 0};
-    double reach_m() const { return round ? half_width_m : std::hypot(half_width_m, half_height_m); }
+    double reach_m = round ? half_width_m : std::hypot(half_width_m, half_height_m);  ///< no part is farther away
   };
   using Marks = std::vector<const Mark*>;
 
