@@ -56,19 +56,24 @@ WorldRows::WorldRows(const std::string& path, Kind kind, double max_ambiguity, c
                   kind_ == Kind::kTrack ? ",vx_mm_s,vy_mm_s,vz_mm_s" : ""));
 }
 
+bool WorldRows::has_row(Kind kind, const Fix& fix, double max_ambiguity) noexcept {
+  if (kind == Kind::kWorld) return fix.world.has_value();
+  return fix.track && fix.track->gated_frames == 0 && fix.track->ambiguity <= max_ambiguity;
+}
+
 void WorldRows::add(const Frame& frame, const Fix& fix) {
-  if (!file_) return;
+  if (!file_ || !has_row(kind_, fix, max_ambiguity_)) return;
   const std::string head = fmt::format("{},{}", frame.number, frame.exposed_at().time_since_epoch().count());
-  if (kind_ == Kind::kWorld && fix.world)
+  if (kind_ == Kind::kWorld) {
     file_->write(fmt::format("{},{},{:.6f},{}\n", head,
                              pose_columns(fix.world->T_world_camera, fix.world->covariance, body_, frame),
                              fix.world->ambiguity, landmark_columns(fix)));
-  if (kind_ == Kind::kTrack && fix.track && fix.track->gated_frames == 0 && fix.track->ambiguity <= max_ambiguity_) {
-    file_->write(fmt::format(
-        "{},{},{:.6f},{},{}\n", head,
-        pose_columns(fix.track->motion.T_world_camera, fix.track->covariance.topLeftCorner<6, 6>(), body_, frame),
-        fix.track->ambiguity, landmark_columns(fix), joined(fix.track->motion.velocity_m_s / kMetresPerMm, 3)));
+    return;
   }
+  file_->write(fmt::format(
+      "{},{},{:.6f},{},{}\n", head,
+      pose_columns(fix.track->motion.T_world_camera, fix.track->covariance.topLeftCorner<6, 6>(), body_, frame),
+      fix.track->ambiguity, landmark_columns(fix), joined(fix.track->motion.velocity_m_s / kMetresPerMm, 3)));
 }
 
 void WorldRows::finish() {

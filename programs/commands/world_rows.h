@@ -31,7 +31,10 @@ class WorldRows {
   /// none: the camera's. The head stands as the recording says.
   WorldRows(const std::string& path, Kind kind, double max_ambiguity, const std::optional<BodyGeometry>& body);
 
-  /// A row where the frame has a pose that may be acted on, none where not.
+  /// Whether a frame has a pose of this kind that may be acted on.
+  static bool has_row(Kind kind, const Fix& fix, double max_ambiguity) noexcept;
+
+  /// A row where has_row() says so.
   void add(const Frame& frame, const Fix& fix);
   void finish();
 

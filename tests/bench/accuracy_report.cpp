@@ -9,12 +9,6 @@
 namespace ninedot::bench {
 namespace {
 
-// Three digits, whatever the size.
-std::string three_digits(double value) {
-  const double size = std::abs(value);
-  return fmt::format("{:.{}f}", value, size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.9995 ? 2 : 3);
-}
-
 std::string solver_columns(const SolverOutcome& solver, double distance_m) {
   if (solver.poses == solver.wrong) return fmt::format(" - | - | - | - | {} |", solver.wrong);
   return fmt::format(" {} | {:.3f} | {} | {} | {} |", three_digits(1000 * solver.rms_m),
@@ -60,7 +54,8 @@ std::string headline(const std::vector<Sweep>& sweeps) {
   for (const Outcome& outcome : sweeps.front().outcomes) first.add(outcome);
   return fmt::format(
       "**Over {}, `full` makes {:.2f} times the smallest error that physics allows (the Cramer-Rao bound, root mean\n"
-      "square); over all {} frames of this page {:.2f} times. {:.1f} % of the landmarks are found, {:.1f} % of the "
+      "square); over all {} frames of single landmarks {:.2f} times. {:.1f} % of the landmarks are found, {:.1f} % of "
+      "the "
       "poses are\n"
       "wrong (the other planar solution, or misnumbered dots). Its covariance: mean NEES {:.1f}, by row {:.1f} to "
       "{:.1f}; 6 is "
@@ -100,6 +95,11 @@ the camera's own calibration, without off-line constants.
 }
 
 }  // namespace
+
+std::string three_digits(double value) {
+  const double size = std::abs(value);
+  return fmt::format("{:.{}f}", value, size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.9995 ? 2 : 3);
+}
 
 std::string accuracy_page(const std::vector<Sweep>& sweeps, int trials) {
   std::string page = "# Accuracy\n\n" + headline(sweeps) + conditions(trials);

@@ -19,15 +19,6 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kWrongNumbering_rad = 20 * kDegree;  // half of the ring's step, less what noise may add
 
-// The solvers' camera from the renderer's lens.
-CameraModel camera_of(const test::Lens& lens) {
-  CameraModel camera;
-  camera.width_px = lens.width_px, camera.height_px = lens.height_px;
-  camera.fx_px = lens.fx_px, camera.fy_px = lens.fy_px, camera.cx_px = lens.cx_px, camera.cy_px = lens.cy_px;
-  camera.k = lens.k;
-  return camera;
-}
-
 // Sums of one solver's trials.
 class Score {
  public:
@@ -74,6 +65,14 @@ class Score {
 };
 
 }  // namespace
+
+CameraModel camera_of(const test::Lens& lens) {
+  CameraModel camera;
+  camera.width_px = lens.width_px, camera.height_px = lens.height_px;
+  camera.fx_px = lens.fx_px, camera.fy_px = lens.fy_px, camera.cx_px = lens.cx_px, camera.cy_px = lens.cy_px;
+  camera.k = lens.k;
+  return camera;
+}
 
 test::Scene scene_of(const Condition& condition, std::uint64_t seed) {
   test::Random random(seed);

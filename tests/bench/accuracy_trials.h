@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "geometry/camera_model.h"
 #include "tests/support/renderer.h"
 
 namespace ninedot::bench {
@@ -39,6 +40,9 @@ struct Outcome {
   double bound_m = 0;  ///< root mean square of the frames' bounds
   SolverOutcome full, ellipse;
 };
+
+/// The product's camera from the renderer's lens.
+CameraModel camera_of(const test::Lens& lens);
 
 /// The frame of one trial; the same numbers give the same frame.
 test::Scene scene_of(const Condition& condition, std::uint64_t seed);
