@@ -8,6 +8,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "config/config.h"
@@ -23,6 +24,7 @@
 #include "programs/display/live_display.h"
 #include "programs/program.h"
 #include "programs/service/main_outputs.h"
+#include "programs/service/map_reloader.h"
 #include "programs/service/service_watch.h"
 
 namespace ninedot {
@@ -36,14 +38,19 @@ std::vector<std::string> how_to_read(const ModbusOptions& options) {
 }
 
 void run_service(const std::string& config_path, bool live) {
-  const Config config = read_config(config_path);
+  ConfigProblems keys;
+  const Config config = read_config(config_path, keys);
+  refuse_first(keys, config_path);
   const TerminationSignals signals;  // before the first thread
   // With larger ones the service works as well; less memory is left to others.
   static_cast<void>(use_small_thread_stacks());
 
   const OpenedSource camera = open_source(config.camera, FrameDemand::kNewest);
   const CameraModel model = read_camera_calibration(config.camera);
-  const auto localiser = make_localiser(model, localiser_options(config));
+  RoomMapHandoff maps;
+  LocaliserOptions localiser_settings = localiser_options(config);
+  localiser_settings.new_maps = &maps;
+  const auto localiser = make_localiser(model, localiser_settings);
   const OpenedHead head = open_head(config, model);
   Mailbox<Report> reports;
   Mailbox<Health> health;
@@ -86,7 +93,10 @@ void run_service(const std::string& config_path, bool live) {
   if (head.lone_power) outputs.push_back(std::make_unique<PowerOutput>(*head.lone_power));
   outputs.push_back(std::make_unique<DeviceLogOutput>(log, head.devices, server));
   if (display) outputs.push_back(std::make_unique<LiveOutput>(*display, server, modbus.codec));
-  watch_until_signalled(signals, {frames, reports, outputs});
+  auto map_output = std::make_unique<MapReloader>(config, keys, config_path, model, maps, log);
+  MapReloader& map = *map_output;
+  outputs.push_back(std::move(map_output));
+  watch_until_signalled(signals, {frames, reports, outputs}, [&] { map.request(); });
   frames.stop();
 }
 

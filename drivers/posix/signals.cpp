@@ -1,9 +1,12 @@
 #include "drivers/posix/signals.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 
 #include <csignal>
 #include <ctime>
+
+#include "drivers/posix/file_descriptor.h"
 
 namespace ninedot {
 namespace {
@@ -17,9 +20,13 @@ sigset_t termination_set() noexcept {
   return set;
 }
 
+bool has_terminal() noexcept {
+  return static_cast<bool>(FileDescriptor(::open("/dev/tty", O_RDWR | O_NOCTTY | O_CLOEXEC)));
+}
+
 }  // namespace
 
-TerminationSignals::TerminationSignals() noexcept {
+TerminationSignals::TerminationSignals() noexcept : had_terminal_(has_terminal()) {
   const sigset_t set = termination_set();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
@@ -34,5 +41,7 @@ int TerminationSignals::wait(std::chrono::nanoseconds timeout) const noexcept {
   const int signal = sigtimedwait(&set, nullptr, &wait_for);
   return signal > 0 ? signal : 0;
 }
+
+bool TerminationSignals::has_lost_terminal() const noexcept { return had_terminal_ && !has_terminal(); }
 
 }  // namespace ninedot

@@ -12,8 +12,14 @@ class TerminationSignals {
   TerminationSignals() noexcept;
 
   /// Waits at most `timeout`. Threads: any one at a time whose signals are blocked; main does.
-  /// \return  number of the signal that asks to end, or 0 when none came.
+  /// \return  number of the signal, or 0 when none came.
   int wait(std::chrono::nanoseconds timeout) const noexcept;
+
+  /// There was a terminal at the start, and it is gone: that is what a SIGHUP tells then. Threads: any.
+  bool has_lost_terminal() const noexcept;
+
+ private:
+  bool had_terminal_;
 };
 
 }  // namespace ninedot

@@ -56,7 +56,7 @@ const std::array kKeysUpToTheHead{
     ConfigKey{
         "", "map", "", 0, 0, "",
         "file that holds the `[[landmarks]]`, and nothing else, in this one's place, as `ninedot map` writes it; a "
-        "relative path starts at the folder of the configuration file; empty = they stand here",
+        "relative path starts at the folder of the configuration file; SIGHUP reads it again; empty = they stand here",
         SLOT(map)},
 
     ConfigKey{

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <utility>
 
+#include "base/contract.h"
 #include "geometry/renumbered.h"
 #include "pipeline/report_reason.h"
+#include "world/map_changes.h"
 
 namespace ninedot {
 
@@ -59,9 +61,19 @@ std::array<double, 6> world_sigmas(const WorldFromCamera& T_world_camera, const 
 Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
     : options_(options),
       seeker_(camera, options.seeker),
+      room_(std::make_unique<RoomMap>(camera, options.seeker.landmark, options.map, options.trust.max_ambiguity)),
       track_({camera.fx_px, options.seeker.landmark, options.seeker.solver == Solver::kFull,
               options.seeker.detector.upright}),
       filter_(options.filter) {}
+
+void Localiser::take_newest_map() noexcept {
+  std::unique_ptr<RoomMap> fresh = options_.new_maps != nullptr ? options_.new_maps->take() : nullptr;
+  if (fresh == nullptr) return;
+  EXPECTS(fresh->map.landmarks().size() == 1);
+  if (!is_place_unchanged(mapped(), fresh->map.landmarks().front())) filter_.reset();
+  std::swap(room_, fresh);
+  options_.new_maps->give_back(std::move(fresh));
+}
 
 Result<std::size_t> Localiser::search(const Frame& frame) noexcept {
   track_.jump();
@@ -85,7 +97,7 @@ Result<std::size_t> Localiser::search(const Frame& frame) noexcept {
 /// The camera in the world, by this landmark alone; and its track, which keeps what one picture leaves open: the mirror
 /// image, and other numberings.
 void Localiser::follow_in_world(const Frame& frame, const LandmarkFix& fix) noexcept {
-  const MappedLandmark& mapped = options_.map.landmarks().front();
+  const MappedLandmark& mapped = this->mapped();
   const PoseEstimate& pose = fix.pose();
   if (fix.verdict == Reason::kNone) {
     PoseInformation turn = PoseInformation::Identity();
@@ -118,7 +130,7 @@ void Localiser::follow_in_world(const Frame& frame, const LandmarkFix& fix) noex
 }
 
 void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bool fits) noexcept {
-  const MappedLandmark& landmark = options_.map.landmarks().front();
+  const MappedLandmark& landmark = mapped();
   LandmarkFix fix;
   fix.id = landmark.id;
   fix.candidates = candidates;
@@ -136,6 +148,7 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bo
 
 const Fix& Localiser::process(const Frame& frame) noexcept {
   const MonoTime begin = mono_now();
+  take_newest_map();
   fix_.landmarks.clear();
   fix_.world.reset();
   fix_.calibrated = options_.calibrated;

@@ -1,7 +1,10 @@
 #pragma once
 /// One frame's path: picture -> dots -> landmark -> pose with its uncertainty -> fix. The whole path is in `process`.
+#include <memory>
+
 #include "pipeline/frame_processor.h"
 #include "pipeline/landmark_seeker.h"
+#include "pipeline/room_map.h"
 #include "pipeline/verdict.h"
 #include "world/landmark_map.h"
 
@@ -19,6 +22,9 @@ struct LocaliserOptions {
   TrustLimits trust{};   ///< what is beyond them is found, but not valid
   WorkBudget budget{};   ///< what one frame may cost
   LandmarkMap map{};     ///< Localiser: of one landmark
+  /// Where maps come from that take the place of `map` between two frames, of landmarks that the same localiser serves;
+  /// null: none comes. Must outlive the localiser.
+  RoomMapHandoff* new_maps = nullptr;
   MainLandmark main_landmark = MainLandmark::kNearest;  ///< RoomLocaliser
   PoseFilterOptions filter{};
   /// [frames] between two searches of the whole picture while landmarks are followed (RoomLocaliser): three searches a
@@ -53,6 +59,8 @@ class Localiser final : public FrameProcessor {
   }
 
  private:
+  void take_newest_map() noexcept;
+  const MappedLandmark& mapped() const noexcept { return room_->map.landmarks().front(); }
   Result<std::size_t> search(const Frame& frame) noexcept;
   void add_fix(const PoseCandidates& candidates, std::size_t chosen, bool fits) noexcept;
 
@@ -60,6 +68,7 @@ class Localiser final : public FrameProcessor {
 
   const LocaliserOptions options_;
   LandmarkSeeker seeker_;
+  std::unique_ptr<RoomMap> room_;
   Track track_;
   PoseFilter filter_;
   // What the frame before had no pixels left for: 0 nothing; else the search leaves out the likeliest guess and begins

@@ -7,12 +7,14 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "geometry/renumbered.h"
 #include "pipeline/report_reason.h"
 #include "pose/mirror_image.h"
 #include "pose/renumbered_candidates.h"
 #include "world/landmark_codes.h"
+#include "world/map_changes.h"
 
 namespace ninedot {
 namespace {
@@ -33,6 +35,12 @@ constexpr double kExcluded_chi2 = 60;
 TrackOptions track_options(const CameraModel& camera, const LocaliserOptions& options) {
   return {camera.fx_px, options.seeker.landmark, options.seeker.solver == Solver::kFull,
           options.seeker.detector.upright};
+}
+
+/// The map itself lies in RoomMap, where a newer one can take its place.
+LocaliserOptions without_map(LocaliserOptions options) {
+  options.map = {};
+  return options;
 }
 
 SeekerOptions with_map(SeekerOptions options) {
@@ -66,14 +74,29 @@ Reason reason_of(WorldVerdict verdict) noexcept {
 }  // namespace
 
 RoomLocaliser::RoomLocaliser(const CameraModel& camera, const LocaliserOptions& options)
-    : options_(options),
+    : options_(without_map(options)),
       camera_(camera),
       seeker_(camera, with_map(options.seeker)),
-      codes_(camera, options.seeker.landmark, options_.map),
-      world_(placed_landmarks(options_.map), options.seeker.landmark, {.max_ambiguity = options.trust.max_ambiguity}),
-      filter_(options.filter),
-      missed_(options_.map.landmarks().size()),
-      wait_(options_.map.landmarks().size()) {}
+      room_(std::make_unique<RoomMap>(camera, options.seeker.landmark, options.map, options.trust.max_ambiguity)),
+      filter_(options.filter) {}
+
+/// A map that has come takes the place of the one before. Rings in view stay followed, and who they are stays known
+/// where both maps have the sheet; the track begins anew where its landmarks hang elsewhere.
+void RoomLocaliser::take_newest_map() noexcept {
+  std::unique_ptr<RoomMap> fresh = options_.new_maps != nullptr ? options_.new_maps->take() : nullptr;
+  if (fresh == nullptr) return;
+  if (!fresh->take_over(*room_)) filter_.reset();
+  for (InView& landmark : in_view_) {
+    landmark.expected.reset();
+    // What one map calls black and white may have colours that the other one knows.
+    if (landmark.identity && !landmark.identity->coded) landmark.identity.reset();
+    if (!landmark.identity) continue;
+    landmark.identity->coded = index_of_sheet(fresh->map, room_->map.landmarks()[*landmark.identity->coded]);
+    if (!landmark.identity->coded) landmark.forget_identity();
+  }
+  std::swap(room_, fresh);
+  options_.new_maps->give_back(std::move(fresh));
+}
 
 const LandmarkObservation* RoomLocaliser::last_observation() const noexcept {
   const auto shown = std::ranges::find_if(in_view_, [](const InView& l) { return l.track.has_sighting(); });
@@ -119,16 +142,16 @@ void RoomLocaliser::follow(const Frame& frame) noexcept {
 
 /// Where the track of the camera in the world lets the map's landmarks be in this picture.
 void RoomLocaliser::look_where_expected(const Frame& frame) noexcept {
-  for (std::uint8_t& frames : wait_) frames = static_cast<std::uint8_t>(frames > 0 ? frames - 1 : 0);
+  for (std::uint8_t& frames : room_->wait) frames = static_cast<std::uint8_t>(frames > 0 ? frames - 1 : 0);
   const auto forecast = filter_.forecast(frame.exposed_at());
   if (!forecast || forecast->covariance.topLeftCorner<3, 3>().trace() > kUsablePosition_m * kUsablePosition_m ||
       forecast->covariance.bottomRightCorner<3, 3>().trace() > kUsableTurn_rad * kUsableTurn_rad)
     return;
   const auto T_camera_world = forecast->T_world_camera.inverse();
   int looks = 0;
-  for (std::size_t i = 0; i < options_.map.landmarks().size() && looks < kLooksPerFrame; ++i) {
-    const MappedLandmark& landmark = options_.map.landmarks()[i];
-    if (!landmark.has_place || wait_[i] > 0) continue;
+  for (std::size_t i = 0; i < room_->map.landmarks().size() && looks < kLooksPerFrame; ++i) {
+    const MappedLandmark& landmark = room_->map.landmarks()[i];
+    if (!landmark.has_place || room_->wait[i] > 0) continue;
     const Eigen::Vector3d p_m = T_camera_world * landmark.T_world_landmark.translation_m;
     if (!(p_m.z() > 0) || p_m.squaredNorm() > kFarthest_m * kFarthest_m) continue;
     const CameraFromLandmark T = T_camera_world * landmark.T_world_landmark;
@@ -139,8 +162,9 @@ void RoomLocaliser::look_where_expected(const Frame& frame) noexcept {
     if (is_known(expected.H_ray_plane)) continue;
     ++looks;
     const bool is_new = begin_where_expected(frame, T, i);
-    missed_[i] = is_new ? std::uint8_t{0} : static_cast<std::uint8_t>(std::min(missed_[i] + 1, kMostMissed));
-    wait_[i] = is_new ? std::uint8_t{0} : static_cast<std::uint8_t>(1U << missed_[i]);
+    room_->missed[i] =
+        is_new ? std::uint8_t{0} : static_cast<std::uint8_t>(std::min(room_->missed[i] + 1, kMostMissed));
+    room_->wait[i] = is_new ? std::uint8_t{0} : static_cast<std::uint8_t>(1U << room_->missed[i]);
   }
 }
 
@@ -151,7 +175,7 @@ bool RoomLocaliser::begin_where_expected(const Frame& frame, const CameraFromLan
   if (in_view_.full()) return false;
   InView landmark;
   landmark.track = Track(track_options(camera_, options_));
-  const bool is_coded = !is_black_and_white(options_.map.landmarks()[map_index].code);
+  const bool is_coded = !is_black_and_white(room_->map.landmarks()[map_index].code);
   if (is_coded) landmark.expected = map_index;
   Result<std::size_t> chosen = fail(Errc::kNoLandmark, "there is nothing yet");
   const LandmarkForecast there(T_camera_landmark, is_coded ? ForecastNumbers::kCertain : ForecastNumbers::kForetold);
@@ -212,25 +236,22 @@ void RoomLocaliser::identify(const Frame& frame) noexcept {
     // What was detected anew near there may be another sheet: its colours have to say that it is not.
     if (landmark.identity && landmark.identity->coded && !landmark.is_fresh && !landmark.is_followed) {
       ShownColours now;
-      codes_.look(frame, T_shown, seeker_.noise(), now);
-      if (codes_.contradicts(*landmark.identity->coded, now)) {
-        landmark.identity.reset();
-        landmark.expected.reset();
-        landmark.colours = {};
-        landmark.doubt = 0;
+      room_->codes.look(frame, T_shown, seeker_.noise(), now);
+      if (room_->codes.contradicts(*landmark.identity->coded, now)) {
+        landmark.forget_identity();
         frames_since_search_ = options_.search_every;
       }
     }
     if (!landmark.identity) {
-      if (!codes_.is_colourless()) codes_.look(frame, T_shown, seeker_.noise(), landmark.colours);
-      landmark.identity = codes_.identify(landmark.colours, options_.trust.max_ambiguity);
+      if (!room_->codes.is_colourless()) room_->codes.look(frame, T_shown, seeker_.noise(), landmark.colours);
+      landmark.identity = room_->codes.identify(landmark.colours, options_.trust.max_ambiguity);
       if (landmark.identity && landmark.identity->coded) number_by_code(frame, landmark);
       if (!landmark.identity && landmark.expected) {
-        landmark.identity = codes_.confirm(*landmark.expected, landmark.colours, options_.trust.max_ambiguity);
+        landmark.identity = room_->codes.confirm(*landmark.expected, landmark.colours, options_.trust.max_ambiguity);
         if (landmark.identity) landmark.track.know_numbering();  // as the map foretold it
       }
     } else if (landmark.identity->coded && !landmark.is_fresh) {
-      if (!codes_.is_still(*landmark.identity->coded, frame, T_shown, seeker_.noise(), landmark.doubt)) continue;
+      if (!room_->codes.is_still(*landmark.identity->coded, frame, T_shown, seeker_.noise(), landmark.doubt)) continue;
     }
     if (kept != i) in_view_[kept] = landmark;
     ++kept;
@@ -277,7 +298,7 @@ WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
   }
   const auto forecast = filter_.forecast(frame.exposed_at());
   const WorldPrior prior = forecast ? WorldPrior{forecast->T_world_camera, forecast->covariance} : WorldPrior{};
-  WorldPose world = world_.solve(sighted.span(), forecast ? &prior : nullptr);
+  WorldPose world = room_->world.solve(sighted.span(), forecast ? &prior : nullptr);
   double nearest_m = std::numeric_limits<double>::infinity();
   for (const SightedLandmark& seen : sighted)
     nearest_m = std::min(nearest_m, seen.sighting.T_camera_landmark.translation_m.norm());
@@ -297,7 +318,7 @@ void RoomLocaliser::follow_in_world(const Frame& frame, const WorldPose& world,
   for (std::size_t i = 0; i < sighted.size(); ++i) {
     const SightingVerdict& verdict = world.sightings[i];
     if (verdict.use != SightingUse::kUsed || !verdict.landmark) continue;
-    const MappedLandmark& landmark = options_.map.landmarks()[*verdict.landmark];
+    const MappedLandmark& landmark = room_->map.landmarks()[*verdict.landmark];
     const int turn = static_cast<int>(verdict.turn);
     numbered[i] = {landmark.id, renumbered(sighted[i].sighting.T_camera_landmark, turn),
                    renumbered(sighted[i].sighting.dots, turn)};
@@ -312,8 +333,16 @@ void RoomLocaliser::follow_in_world(const Frame& frame, const WorldPose& world,
   // One coded landmark whose mirror image is open: the track knows better, or will.
   const bool is_known = world.is_valid() || (world.verdict == WorldVerdict::kAmbiguous && used.size() == 1 &&
                                              sighted.size() == 1 && sighted[0].coded);
-  if (is_known && !used.empty()) (void)filter_.take(frame.exposed_at(), used.span(), readings.span());
+  if (is_known && !used.empty()) note_carriers(world, filter_.take(frame.exposed_at(), used.span(), readings.span()));
   fix_.track = filter_.at(frame.exposed_at());
+}
+
+/// What the track stands on.
+void RoomLocaliser::note_carriers(const WorldPose& world, FilterVerdict verdict) noexcept {
+  if (verdict == FilterVerdict::kStarted) std::ranges::fill(room_->carries_track, std::uint8_t{0});
+  if (verdict != FilterVerdict::kStarted && verdict != FilterVerdict::kTaken) return;
+  for (const SightingVerdict& sighting : world.sightings)
+    if (sighting.use == SightingUse::kUsed && sighting.landmark) room_->carries_track[*sighting.landmark] = 1;
 }
 
 /// What the picture says of each landmark, and of the camera in the world.
@@ -325,7 +354,7 @@ void RoomLocaliser::report_world(const WorldPose& world, std::span<const Sighted
     const std::optional<std::size_t> map_index = sighted[i].coded ? sighted[i].coded : verdict.landmark;
     if (!map_index) continue;
     InView& landmark = in_view_[which[i]];
-    const std::uint16_t id = options_.map.landmarks()[*map_index].id;
+    const std::uint16_t id = room_->map.landmarks()[*map_index].id;
     const bool is_used = world.is_valid() && verdict.use == SightingUse::kUsed;
     if (is_used) believe_world(landmark, *map_index, verdict.turn, world);
     if (is_used) (void)fix_.world->used.try_push_back(id);
@@ -338,7 +367,7 @@ void RoomLocaliser::report_world(const WorldPose& world, std::span<const Sighted
 void RoomLocaliser::believe_world(InView& landmark, std::size_t map_index, std::size_t turn,
                                   const WorldPose& world) noexcept {
   const CameraFromLandmark expected = renumbered(
-      world.T_world_camera.inverse() * options_.map.landmarks()[map_index].T_world_landmark, -static_cast<int>(turn));
+      world.T_world_camera.inverse() * room_->map.landmarks()[map_index].T_world_landmark, -static_cast<int>(turn));
   const auto turn_rad = [&](const PoseCandidate& candidate) {
     return angle_between_rad(expected, candidate.pose.T_landmark_camera.inverse());
   };
@@ -350,7 +379,7 @@ void RoomLocaliser::believe_world(InView& landmark, std::size_t map_index, std::
 
 void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const SightingVerdict& verdict,
                             const WorldPose& world) noexcept {
-  const MappedLandmark& mapped = options_.map.landmarks()[map_index];
+  const MappedLandmark& mapped = room_->map.landmarks()[map_index];
   const int turn = static_cast<int>(verdict.turn);
   LandmarkFix fix;
   fix.id = mapped.id;
@@ -384,6 +413,7 @@ void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const
 
 const Fix& RoomLocaliser::process(const Frame& frame) noexcept {
   const MonoTime begin = mono_now();
+  take_newest_map();
   fix_.landmarks.clear();
   fix_.world.reset();
   fix_.calibrated = options_.calibrated;

@@ -3,11 +3,10 @@
 /// looked for where the map lets expect them and, now and then, everywhere; colours tell which ones they are; all
 /// together place the camera in the world. The whole path is in `process`.
 #include <cstdint>
-#include <vector>
+#include <memory>
 
-#include "pipeline/code_identity.h"
 #include "pipeline/localiser.h"
-#include "world/world_solver.h"
+#include "pipeline/room_map.h"
 
 namespace ninedot {
 
@@ -32,8 +31,17 @@ class RoomLocaliser final : public FrameProcessor {
     double doubt = 0;          ///< of its identity, since it is known: see CodeIdentity::is_still [1]
     bool is_fresh = true;      ///< it came into view in this frame
     bool is_followed = false;  ///< its outlines were where its track foretold them: it is the same sheet
+
+    /// It may be another sheet than it was taken for.
+    void forget_identity() noexcept {
+      identity.reset();
+      expected.reset();
+      colours = {};
+      doubt = 0;
+    }
   };
 
+  void take_newest_map() noexcept;
   std::optional<CameraTwist> twist_at(MonoTime time) const noexcept;
   void follow(const Frame& frame) noexcept;
   void look_where_expected(const Frame& frame) noexcept;
@@ -47,6 +55,7 @@ class RoomLocaliser final : public FrameProcessor {
   void report_world(const WorldPose& world, std::span<const SightedLandmark> sighted,
                     std::span<const std::size_t> which) noexcept;
   void follow_in_world(const Frame& frame, const WorldPose& world, std::span<const SightedLandmark> sighted) noexcept;
+  void note_carriers(const WorldPose& world, FilterVerdict verdict) noexcept;
   void believe_world(InView& landmark, std::size_t map_index, std::size_t turn, const WorldPose& world) noexcept;
   void add_fix(const InView& landmark, std::size_t map_index, const SightingVerdict& verdict,
                const WorldPose& world) noexcept;
@@ -55,12 +64,9 @@ class RoomLocaliser final : public FrameProcessor {
   const LocaliserOptions options_;
   CameraModel camera_;
   LandmarkSeeker seeker_;
-  CodeIdentity codes_;
-  WorldSolver world_;
+  std::unique_ptr<RoomMap> room_;
   PoseFilter filter_;
   InlineVector<InView, kMaxLandmarksInView> in_view_;
-  std::vector<std::uint8_t> missed_;  // by landmark of the map: how often it was not where the map lets expect it
-  std::vector<std::uint8_t> wait_;    // frames until it is looked for there again
   int frames_since_search_ = 0;
   std::uint32_t frames_cut_ = 0;
   Fix fix_;

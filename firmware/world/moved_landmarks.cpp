@@ -27,6 +27,12 @@ void MovedLandmarks::agrees(std::size_t landmark) noexcept {
   if (to_agree_frames_[landmark] > 0) --to_agree_frames_[landmark];
 }
 
+void MovedLandmarks::carry_over(const MovedLandmarks& before, std::size_t landmark_before,
+                                std::size_t landmark) noexcept {
+  EXPECTS(landmark_before < before.to_agree_frames_.size() && landmark < to_agree_frames_.size());
+  to_agree_frames_[landmark] = before.to_agree_frames_[landmark_before];
+}
+
 void MovedLandmarks::clear() noexcept { std::ranges::fill(to_agree_frames_, std::uint16_t{0}); }
 
 }  // namespace ninedot

@@ -24,6 +24,9 @@ class MovedLandmarks {
   void disagrees(std::size_t landmark) noexcept;
   /// The others say that it is in its place. \param landmark  index
   void agrees(std::size_t landmark) noexcept;
+  /// What is known of a landmark of another map that hangs unchanged in this one. \param before  the other map's
+  /// \param landmark_before, landmark  index there and here [1]
+  void carry_over(const MovedLandmarks& before, std::size_t landmark_before, std::size_t landmark) noexcept;
   /// Forgets all: the map is another one, or someone has looked.
   void clear() noexcept;
 

@@ -34,6 +34,11 @@ class WorldSolver {
   WorldPose solve(std::span<const SightedLandmark> seen, const WorldPrior* prior = nullptr) noexcept;
 
   const MovedLandmarks& moved() const noexcept { return moved_; }
+  /// Whether a landmark was found moved stays known where it hangs unchanged in another map. \param before  the other
+  /// map's \param landmark_before, landmark  index there and here [1]
+  void carry_over(const WorldSolver& before, std::size_t landmark_before, std::size_t landmark) noexcept {
+    moved_.carry_over(before.moved_, landmark_before, landmark);
+  }
   /// Believes all landmarks again.
   void forget_moved() noexcept { moved_.clear(); }
 

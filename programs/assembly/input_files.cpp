@@ -18,6 +18,19 @@ void make_absolute(std::string& path, const std::string& config_path) {
     path = (std::filesystem::path(config_path).parent_path() / path).lexically_normal().string();
 }
 
+}  // namespace
+
+Config read_config(const std::string& path) {
+  ConfigProblems problems;
+  Config config = read_config(path, problems);
+  refuse_first(problems, path);
+  return config;
+}
+
+void refuse_first(const ConfigProblems& problems, const std::string& path) {
+  if (!problems.list.empty()) throw StartupError(ExitStatus::kWrongUsage, problem_text(path, problems.list.front()));
+}
+
 void read_map(Config& config, ConfigProblems& problems) {
   std::string text;
   try {
@@ -26,15 +39,6 @@ void read_map(Config& config, ConfigProblems& problems) {
     return problems.add(problems.line_of("map"), error.what());
   }
   read_map_text(text, config.map, config, problems);
-}
-
-}  // namespace
-
-Config read_config(const std::string& path) {
-  ConfigProblems problems;
-  Config config = read_config(path, problems);
-  if (!problems.list.empty()) throw StartupError(ExitStatus::kWrongUsage, problem_text(path, problems.list.front()));
-  return config;
 }
 
 Config read_config(const std::string& path, ConfigProblems& problems) {

@@ -17,6 +17,13 @@ Config read_config(const std::string& path);
 /// Throws StartupError(kWrongUsage): the file can't be read.
 Config read_config(const std::string& path, ConfigProblems& problems);
 
+/// Throws StartupError(kWrongUsage) with the first of them, if there is one. \param path  of the configuration
+void refuse_first(const ConfigProblems& problems, const std::string& path);
+
+/// Reads and checks the file that config.map names into config.landmarks; everything else stays. What is wrong is added
+/// to `problems`, which knows the lines of the configuration.
+void read_map(Config& config, ConfigProblems& problems);
+
 /// Reads and checks a calibration. Throws StartupError(kWrongUsage), "FILE:LINE: what is wrong".
 CameraModel read_camera_file(const std::string& path);
 

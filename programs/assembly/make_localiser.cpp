@@ -5,11 +5,13 @@
 
 namespace ninedot {
 
+bool is_room(const LandmarkMap& map) noexcept {
+  return map.landmarks().size() > 1 || !is_black_and_white(map.landmarks().front().code);
+}
+
 std::unique_ptr<FrameProcessor> make_localiser(const CameraModel& camera, const LocaliserOptions& options) {
-  const auto landmarks = options.map.landmarks();
-  if (landmarks.size() == 1 && is_black_and_white(landmarks.front().code))
-    return std::make_unique<Localiser>(camera, options);
-  return std::make_unique<RoomLocaliser>(camera, options);
+  if (is_room(options.map)) return std::make_unique<RoomLocaliser>(camera, options);
+  return std::make_unique<Localiser>(camera, options);
 }
 
 }  // namespace ninedot

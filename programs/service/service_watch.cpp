@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <csignal>
 #include <cstring>
 
 #include "drivers/posix/board_temperature.h"
@@ -17,11 +18,15 @@ constexpr auto kPeriod = 20ms;
 
 }  // namespace
 
-void watch_until_signalled(const TerminationSignals& signals, const RunningService& service) {
+void watch_until_signalled(const TerminationSignals& signals, const RunningService& service,
+                           const std::function<void()>& reload) {
   ServiceManager manager;
   MonoTime measured_at{};
   std::uint64_t seen = 0;
-  while (signals.wait(kPeriod) == 0) {
+  for (;;) {
+    const int signal = signals.wait(kPeriod);
+    if (signal != 0 && (signal != SIGHUP || signals.has_lost_terminal())) break;
+    if (signal == SIGHUP) reload();
     const MonoTime now = mono_now();
     const auto [report, version] = service.reports.read_with_version();
     for (const std::unique_ptr<Output>& output : service.outputs) output->take(report, version != seen, now);

@@ -1,6 +1,7 @@
 #pragma once
-/// What the main thread does while the service runs: its list of outputs, and the service manager; until a signal asks
-/// to end.
+/// What the main thread does while the service runs: its list of outputs, the service manager, and signals, until one
+/// asks to end.
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -18,8 +19,10 @@ struct RunningService {
   std::span<const std::unique_ptr<Output>> outputs;  ///< given the newest report every 20 ms, in this order
 };
 
-/// \return  when SIGINT or SIGTERM came.
-void watch_until_signalled(const TerminationSignals& signals, const RunningService& service);
+/// \param reload  called at each SIGHUP, unless it tells that the service's terminal is gone
+/// \return  when SIGINT or SIGTERM came, or that SIGHUP.
+void watch_until_signalled(const TerminationSignals& signals, const RunningService& service,
+                           const std::function<void()>& reload);
 
 /// "SCHED_FIFO 50", or why not and what to do about it.
 std::string realtime_text(int priority, const Result<void>& entered);

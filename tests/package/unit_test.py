@@ -70,6 +70,10 @@ class Unit(unittest.TestCase):
         for _, key, _ in self.settings:
             self.assertNotIn(key, ("RestartSteps", "RestartMaxDelaySec"), "systemd has it from 254 on; Debian 12 has 252")
 
+    def test_a_reload_checks_the_file_and_then_sends_the_signal_that_reads_the_map(self):
+        commands = [value for _, key, value in self.settings if key == "ExecReload"]
+        self.assertEqual(commands, [self.value("Service", "ExecStartPre"), "/bin/kill -HUP $MAINPID"])
+
     def test_the_check_before_the_start_waits_for_no_device(self):
         checked = self.pre_start(EVERY_DEVICE_MISSING)
         self.assertEqual(checked.returncode, 0, checked.stderr)

@@ -5,7 +5,10 @@
 
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/units.h"
 #include "tests/support/allocation_counter.h"
@@ -218,6 +221,31 @@ TEST(RoomLocaliser, NamesAnewASheetThatWasPutInThePlaceOfAnother) {
   const Fix& fix = unit.process(frame_of(second, 2));
   ASSERT_EQ(fix.landmarks.size(), 1U);
   EXPECT_EQ(fix.main().id, 12);
+}
+
+TEST(RoomLocaliser, KnowsWhoIsInViewBeyondAChangeOfTheMapAndForgetsWhoIsNotInItAnyMore) {
+  test::Viewpoint viewpoint = kFromAside;
+  viewpoint.distance_m = 1.4;
+  const test::ColourPicture picture = coded_picture("KRGBKKRB", viewpoint, 3);
+  RoomMapHandoff maps;
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_codes(), .new_maps = &maps});
+  ASSERT_EQ(unit.process(frame_of(picture, 1)).main().id, 11);
+  const auto change_to = [&](std::vector<MappedLandmark> landmarks) {
+    maps.put(std::make_unique<RoomMap>(CameraModel{}, LandmarkGeometry{}, LandmarkMap(std::move(landmarks)), 0.01));
+  };
+  // The grey frame can't tell whose it is: the localiser has to remember.
+  change_to({mapped({2, 9, 0}, "KKGRRBGB"), mapped({3, 6, 0}), mapped({11, 1, 0}, "KRGBKKRB")});
+  const Fix& moved = unit.process(frame_of(picture.luma, 2));
+  ASSERT_EQ(moved.landmarks.size(), 1U);
+  EXPECT_EQ(moved.main().id, 11);
+  const Eigen::Vector3d p_m = moved.main().T_world_camera.translation_m - Eigen::Vector3d(1, 0, 0);
+  EXPECT_LT(apart_m(p_m, test::look_at_landmark(viewpoint)), 0.02);
+  change_to({mapped({2, 9, 0}, "KKGRRBGB"), mapped({11, 1, 0}, "RRGKBGKB")});
+  EXPECT_EQ(unit.process(frame_of(picture.luma, 3)).reason, Reason::kNotIdentified) << "its number is another sheet's";
+  change_to({mapped({2, 9, 0}, "KKGRRBGB"), mapped({5, 2, 0}, "KRGBKKRB")});
+  const Fix& renamed = unit.process(frame_of(picture, 4));
+  ASSERT_EQ(renamed.landmarks.size(), 1U);
+  EXPECT_EQ(renamed.main().id, 5);
 }
 
 TEST(RoomLocaliser, AllocatesNothing) {
