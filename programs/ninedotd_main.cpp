@@ -19,6 +19,7 @@
 #include "programs/assembly/localiser_options.h"
 #include "programs/assembly/make_localiser.h"
 #include "programs/assembly/modbus_options.h"
+#include "programs/assembly/motion_options.h"
 #include "programs/assembly/open_head.h"
 #include "programs/assembly/open_source.h"
 #include "programs/display/live_display.h"
@@ -61,10 +62,11 @@ void run_service(const std::string& config_path, bool live) {
   loop_options.stall_after =
       std::max(loop_options.stall_after, std::chrono::duration_cast<std::chrono::nanoseconds>(stall));
   loop_options.memory_locked = wants_lock && locked.has_value();
+  loop_options.body = body_geometry(config.body);
   if (head.output) loop_options.head = &head.output->snapshots();
   FrameLoop frames(*camera.frames, *localiser, reports, health, loop_options);
   const ModbusOptions modbus = modbus_options(config);
-  const WireOutput registers(reports, health);
+  const WireOutput registers(reports, health, pose_output(config));
   ModbusServer server(registers, modbus);
 
   std::optional<LiveDisplay> display;

@@ -71,7 +71,7 @@ class Writer {
     static_assert(kType == RegisterType::kCounter16 || kType == RegisterType::kCounter32);
     put_words(value, true, std::span(block_).subspan(Address, kRegisterMap[kIndex].words()));
   }
-  /// Three entries in a row: x, y, z.
+  /// Three entries in a row: x, y, z, or three angles.
   template <std::uint16_t Address>
   void put_xyz(const std::array<double, 3>& xyz) noexcept {
     constexpr std::uint16_t kStride = kRegisterMap[register_index(Address)].words();
@@ -143,15 +143,15 @@ void put_state(Writer& out, const WireReport& report, const ServerState& server,
 }
 
 void put_pose(Writer& out, const WireReport& report) noexcept {
-  const WirePose& pose = report.camera_in_world;
+  const WirePose& pose = report.pose;
   const std::array<double, 3> rotation_rad = rotation_vector_rad(pose.quaternion_wxyz);
   out.put_xyz<reg::kX16>(pose.position_mm);
   out.put_xyz<reg::kRotationX16>(scaled(rotation_rad, 1e3));
   out.put_xyz<reg::kX32>(pose.position_mm);
   out.put_xyz<reg::kRotationX32>(scaled(rotation_rad, kDegPerRad));
 
-  out.put_xyz<reg::kSigmaX>(report.sigma_world_mm);
-  out.put_xyz<reg::kSigmaRotationX>(report.sigma_world_deg);
+  out.put_xyz<reg::kSigmaX>(report.sigma_mm);
+  out.put_xyz<reg::kSigmaRotationX>(report.sigma_deg);
   out.put<reg::kAmbiguity>(report.ambiguity);
   out.put<reg::kResidual>(report.rms_px);
   out.put<reg::kDotsUsed>(report.dots_used);
@@ -166,9 +166,19 @@ void put_pose(Writer& out, const WireReport& report) noexcept {
   out.put<reg::kQwFloat, 6>(pose.quaternion_wxyz[3]);
 }
 
+void put_angles(Writer& out, const WireReport& report) noexcept {
+  out.put<reg::kPoseContent>(static_cast<double>(report.output.content));
+  out.put<reg::kEulerConvention>(static_cast<double>(report.output.euler));
+  out.put_xyz<reg::kAngle32>(report.angles_deg);
+  out.put_xyz<reg::kSigmaAngle>(report.sigma_angles_deg);
+  out.put_xyz<reg::kAngle16>(report.angles_deg);
+  out.put_xyz<reg::kAngleFloat>(report.angles_deg);
+  out.count<reg::kPoseSequenceEnd>(report.pose_sequence);
+}
+
 void put_others(Writer& out, const WireReport& report) noexcept {
-  out.put_xyz<reg::kRivalX32>(report.rival_in_world.position_mm);
-  out.put_xyz<reg::kRivalRotationX16>(scaled(rotation_vector_rad(report.rival_in_world.quaternion_wxyz), 1e3));
+  out.put_xyz<reg::kRivalX32>(report.rival.position_mm);
+  out.put_xyz<reg::kRivalRotationX16>(scaled(rotation_vector_rad(report.rival.quaternion_wxyz), 1e3));
   out.put<reg::kRivalOdds>(report.rival_odds);
   out.put<reg::kLandmarksSeen>(report.landmarks_seen);
   out.put<reg::kLandmarksRejected>(report.landmarks_rejected);
@@ -236,6 +246,7 @@ RegisterBlock encode_registers(const WireReport& report, const MetricValues& met
   Writer out(block, options);
   put_state(out, report, server, options);
   put_pose(out, report);
+  put_angles(out, report);
   put_others(out, report);
   put_metrics(block, metrics, options);
   out.put<reg::kProbeInt32>(-1);

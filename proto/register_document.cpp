@@ -65,14 +65,15 @@ Made by `ninedot registers --format md` from the table in `proto/register_map.h`
 
 Addresses are 0-based, as on the wire; a tool that counts from 1 (mbpoll without `-0`, 40001-style notation) needs one
 more. Function codes 03 (holding registers) and 04 (input registers) show the same contents, because controllers differ
-in what they can read. One request reads at most 125 registers, and the map ends at address 124: one request can read
-all of it. **Whatever one reply holds is from one frame.** Addresses up to 124 that the table does not name read as 0.
+in what they can read. One request reads at most 125 registers: from 0 on all but the angles, from 21 on all with
+them. The map ends at address 145. **Whatever one reply holds is from one frame.**
 
 Try it:
 
     mbpoll -m tcp -p 1502 -0 -1 -r 0 -c 10 -t 4:hex 127.0.0.1      # magic 0x9D09 first
     mbpoll -m tcp -p 1502 -0 -1 -r 16 -c 6 -t 4:int -B 127.0.0.1   # x y z in 0.001 mm, rotation in 0.001 deg
     mbpoll -m tcp -p 1502 -0 -1 -r 40 -c 7 -t 4:float -B 127.0.0.1 # x y z in mm and the quaternion
+    mbpoll -m tcp -p 1502 -0 -1 -r 127 -c 3 -t 4:int -B 127.0.0.1  # yaw pitch roll in 0.001 deg
 
 ## How to use it
 
@@ -80,7 +81,9 @@ Try it:
 2. In each cycle read 0-39 (or 0-53) in one request. Use the pose only while status bit `valid` is set and `age` is below
    what your motion allows.
 3. If the block is read in several requests, compare 3 with 39, or hold it (104).
-4. `heartbeat` (2) stands still: the device is not processing frames, whatever else the registers say.
+4. Angles instead of rotation vectors, a FANUC's, a KUKA's or the robot's heading: 125-145, read in one request, and 145
+   compared with 3. Register 125 says whose pose it is, 126 which angles they are.
+5. `heartbeat` (2) stands still: the device is not processing frames, whatever else the registers say.
 
 No landmark in view is not an exception: the last pose stays, `valid` is 0, `reason` says why, the age grows and
 saturates. A pose that is older than the limit (0.5 s) is `stale` and never `valid`.
@@ -94,6 +97,10 @@ saturates. A pose that is older than the limit (0.5 s) is `stale` and never `val
   to 0. Unknown: -32768 or -2147483648 in signed registers, the upper end of the range in unsigned ones, NaN in float32.
 - World frame: Z up. Position is the camera's optical centre. The rotation turns camera vectors (x right, y down,
   z forward) into world vectors; as rotation vector its direction is the axis and its length the angle, 0..180 deg.
+- That is so unless the configuration says otherwise: `pose` of its `[outputs]` puts the camera in the landmark's frame or the
+  robot's body in the world into the very same registers, with their uncertainties and the rival (register 125 says which it
+  is), and `euler` chooses the angles. Where the pitch is +-90 deg only one sum of the other two angles is known:
+  roll (W, C) is then 0. A level camera has a roll of -90 deg: its z looks forward; for a heading take the body.
 
 ## Registers
 
@@ -115,7 +122,7 @@ gives back what was written. A request that writes several registers is carried 
 - **A newer command** takes the older one's place at once. `command_result` and `command_acknowledge` are then about
   the newer one; the older one has no result, and its number never appears in `command_acknowledge`.
 - **Hold** belongs to the client that asks (a TCP connection, or the serial line): it freezes registers 2-59 and
-  118-124 for that client alone, so that nobody can freeze what others see. Writing 1 again takes the newest frame and starts the time
+  118-145 for that client alone, so that nobody can freeze what others see. Writing 1 again takes the newest frame and starts the time
   anew. It ends when 0 is written, when the connection ends, and by itself after 500 ms (`hold_ms`). Age, `stale`
   and `valid` go on meanwhile: held data grows old like any other, and then `reason` is 9, unless the held pose was not
   valid in the first place. Set-points and commands are shared by all clients.
@@ -127,7 +134,7 @@ gives back what was written. A request that writes several registers is carried 
 | code | when |
 |---|---|
 | 01 | a function code other than 03 and 04, or 06 and 16 while writes are enabled |
-| 02 | an address beyond 124, or a write to a register that is not marked `rw` |
+| 02 | an address beyond 145, or a write to a register that is not marked `rw` |
 | 03 | a quantity of 0 or above 125 (write: 123), a request whose length is wrong, a written value out of range |
 | 04 | a command that this device can't carry out (no pan/tilt head) |
 
@@ -217,6 +224,10 @@ std::string register_map_markdown() {
   append_metrics(out);
   out += "\n### Reason codes (register 5)\n";
   append_codes(out, kReasonCodes);
+  out += "\n### What the pose registers carry (register 125)\n";
+  append_codes(out, kPoseContentCodes);
+  out += "\n### Angles 1, 2, 3 (register 126)\n";
+  append_codes(out, kEulerCodes);
   out += "\n### Commands (register 100)\n";
   append_codes(out, kCommandCodes);
   out += kMarkdownTail;
@@ -244,9 +255,11 @@ std::string register_map_json() {
                    access_name(entry.access), quoted(entry.meaning, "\\\""));
   return fmt::format(
       "{{\n  \"version\": {},\n  \"registers\": [{}\n  ],\n  \"status_bits\": [{}\n  ],\n  \"health_bits\": [{}\n  ],\n"
-      "  \"metrics\": [{}\n  ],\n  \"reasons\": [{}\n  ],\n  \"commands\": [{}\n  ]\n}}\n",
+      "  \"metrics\": [{}\n  ],\n  \"reasons\": [{}\n  ],\n  \"pose_contents\": [{}\n  ],\n  \"euler_conventions\": "
+      "[{}\n  ],\n"
+      "  \"commands\": [{}\n  ]\n}}\n",
       kRegisterMapVersion, registers, json_bits(kStatusBits), json_bits(kHealthBits), json_metrics(),
-      json_codes(kReasonCodes), json_codes(kCommandCodes));
+      json_codes(kReasonCodes), json_codes(kPoseContentCodes), json_codes(kEulerCodes), json_codes(kCommandCodes));
 }
 
 }  // namespace ninedot

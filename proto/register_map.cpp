@@ -59,6 +59,19 @@ constexpr bool metrics_are_in_order() {
 }
 static_assert(metrics_are_in_order());
 
+constexpr RegisterCode kPoseContentTable[] = {
+    {0, "camera in the world: its optical centre, and what turns camera vectors into the world's"},
+    {1, "camera in the frame of the landmark that register 6 names"},
+    {2, "robot body in the world: its origin, and what turns body vectors (x forward, y left, z up) into the world's"},
+};
+constexpr RegisterCode kEulerTable[] = {
+    {0,
+     "yaw, pitch, roll: about z, the new y, the new x; of a body yaw is the heading, positive to the left, and a "
+     "positive pitch looks down"},
+    {1, "FANUC W, P, R: about the fixed x, y, z, in this order"},
+    {2, "KUKA A, B, C: about z, the new y, the new x"},
+};
+
 constexpr std::uint16_t number(Command command) { return static_cast<std::uint16_t>(command); }
 constexpr RegisterCode kCommandTable[] = {
     {number(Command::kNone), "nothing"},
@@ -72,6 +85,8 @@ static_assert(std::size(kCommandTable) == kLastCommand + 1U);
 const std::span<const RegisterBit> kStatusBits = kStatusBitTable;
 const std::span<const RegisterBit> kHealthBits = kHealthBitTable;
 const std::span<const RegisterCode> kReasonCodes = kReasonTable;
+const std::span<const RegisterCode> kPoseContentCodes = kPoseContentTable;
+const std::span<const RegisterCode> kEulerCodes = kEulerTable;
 const std::span<const RegisterCode> kCommandCodes = kCommandTable;
 
 }  // namespace ninedot

@@ -22,9 +22,9 @@ namespace ninedot {
 inline constexpr std::uint16_t kRegisterMapVersion = 1;
 inline constexpr std::uint16_t kRegisterMapMagic = 0x9D09;
 
-/// The map spans addresses 0..124, so that one request of 125 registers (the protocol's limit) reads all of it.
-/// Every address has an entry. From 125 on: exception 02.
-inline constexpr std::size_t kRegisterCount = 125;
+/// Every address has an entry. From here on: exception 02. One request of 125 registers (the protocol's limit) reads
+/// all but the angles.
+inline constexpr std::size_t kRegisterCount = 146;
 
 // The map without the metrics, which have their own table.
 // clang-format off
@@ -43,7 +43,7 @@ inline constexpr auto kOwnRegisters = [] {
   {  7, "quality",             kU16,       1,      "",     0,        1000,    kRead, "0 unusable .. 1000 best; 0 while the pose is not valid"},
   {  8, "age",                 kU16,       0.1,    "ms",   0,        kU16Max, kRead, "age of the pose at the moment of the reply, from the middle of its exposure; saturates, also before the first pose"},
   {  9, "latency",             kU16,       0.1,    "ms",   0,        kU16Max, kRead, "middle of the exposure to published report, of the last processed frame; 65535 before the first"},
-  { 10, "x_16",                kI16,       0.5,    "mm",   -kI16Max, kI16Max, kRead, "camera's optical centre in the world, x", true},
+  { 10, "x_16",                kI16,       0.5,    "mm",   -kI16Max, kI16Max, kRead, "camera's optical centre in the world (register 125 says if it is another pose), x", true},
   { 11, "y_16",                kI16,       0.5,    "mm",   -kI16Max, kI16Max, kRead, "the same, y", true},
   { 12, "z_16",                kI16,       0.5,    "mm",   -kI16Max, kI16Max, kRead, "the same, z (up)", true},
   { 13, "rotation_x_16",       kI16,       1,      "mrad", -kI16Max, kI16Max, kRead, "rotation vector camera to world (axis times angle, angle 0..pi), x"},
@@ -85,7 +85,7 @@ inline constexpr auto kOwnRegisters = [] {
   {101, "command_sequence",    kU16,       1,      "",     0,        kU16Max, kReadWrite, "write a number other than the last one to carry out register 100"},
   {102, "command_acknowledge", kU16,       1,      "",     0,        kU16Max, kRead, "command_sequence of the last command that has ended; one whose place a newer one took does not end"},
   {103, "command_result",      kU16,       1,      "",     0,        kU16Max, kRead, "of command_sequence: 0 none yet, 1 running, 2 done, 3 failed, see below"},
-  {104, "hold",                kU16,       1,      "",     0,        1,       kReadWrite, "1 freezes registers 2-59 and 118-124 for this client (age and staleness go on); 0 releases; releases itself"},
+  {104, "hold",                kU16,       1,      "",     0,        1,       kReadWrite, "1 freezes registers 2-59 and 118-145 for this client (age and staleness go on); 0 releases; releases itself"},
   {105, "pan_set_point",       kI16,       0.01,   "deg",  -18000,   18000,   kReadWrite, "for command 2, positive to the left"},
   {106, "tilt_set_point",      kI16,       0.01,   "deg",  -9000,    9000,    kReadWrite, "for command 2, positive upwards"},
   {107, "client_watchdog",     kU16,       1,      "ms",   0,        kU16Max, kReadWrite, "0 off; else this client must send a request within this time, or the head goes back to following"},
@@ -96,6 +96,21 @@ inline constexpr auto kOwnRegisters = [] {
   {122, "landmarks_seen",      kU16,       1,      "",     0,        kU16Max, kRead, "landmarks of the map that the newest frame shows"},
   {123, "landmarks_rejected",  kU16,       1,      "",     0,        kU16Max, kRead, "of these, those that do not hang where the map says: the pose is made of the others"},
   {124, "last_rejected_id",    kU16,       1,      "",     0,        kU16Max, kRead, "the landmark that was rejected last, in whichever frame; 65535: none since the start"},
+  {125, "pose_content",        kU16,       1,      "",     0,        kU16Max, kRead, "what registers 10-33, 40-59, 118-120 and 127-144 carry, see below"},
+  {126, "euler_convention",    kU16,       1,      "",     0,        kU16Max, kRead, "what angles 1 to 3 are, see below"},
+  {127, "angle_1_32",          kI32,       0.001,  "deg",  -kI32Max, kI32Max, kRead, "the rotation of registers 22-27 as three angles: the first"},
+  {129, "angle_2_32",          kI32,       0.001,  "deg",  -kI32Max, kI32Max, kRead, "the same, the second"},
+  {131, "angle_3_32",          kI32,       0.001,  "deg",  -kI32Max, kI32Max, kRead, "the same, the third"},
+  {133, "sigma_angle_1",       kU16,       0.001,  "deg",  1,        kU16Max, kRead, "1-sigma of the first angle; 65535 also where pitch is at +-90 deg, and before the first pose"},
+  {134, "sigma_angle_2",       kU16,       0.001,  "deg",  1,        kU16Max, kRead, "the same of the second"},
+  {135, "sigma_angle_3",       kU16,       0.001,  "deg",  1,        kU16Max, kRead, "the same of the third"},
+  {136, "angle_1_16",          kI16,       0.01,   "deg",  -kI16Max, kI16Max, kRead, "the first angle"},
+  {137, "angle_2_16",          kI16,       0.01,   "deg",  -kI16Max, kI16Max, kRead, "the second angle"},
+  {138, "angle_3_16",          kI16,       0.01,   "deg",  -kI16Max, kI16Max, kRead, "the third angle"},
+  {139, "angle_1_float",       kF32,       1,      "deg",  0,        0,       kRead, "the first angle"},
+  {141, "angle_2_float",       kF32,       1,      "deg",  0,        0,       kRead, "the second angle"},
+  {143, "angle_3_float",       kF32,       1,      "deg",  0,        0,       kRead, "the third angle"},
+  {145, "pose_sequence_end",   kCounter16, 1,      "",     0,        kU16Max, kRead, "equals register 3, or the angles are of another pose"},
   });
 }();
 // clang-format on
@@ -183,6 +198,13 @@ NINEDOT_REGISTER(kRivalOdds, "rival_odds");
 NINEDOT_REGISTER(kLandmarksSeen, "landmarks_seen");
 NINEDOT_REGISTER(kLandmarksRejected, "landmarks_rejected");
 NINEDOT_REGISTER(kLastRejectedId, "last_rejected_id");
+NINEDOT_REGISTER(kPoseContent, "pose_content");
+NINEDOT_REGISTER(kEulerConvention, "euler_convention");
+NINEDOT_REGISTER(kAngle32, "angle_1_32");
+NINEDOT_REGISTER(kSigmaAngle, "sigma_angle_1");
+NINEDOT_REGISTER(kAngle16, "angle_1_16");
+NINEDOT_REGISTER(kAngleFloat, "angle_1_float");
+NINEDOT_REGISTER(kPoseSequenceEnd, "pose_sequence_end");
 NINEDOT_REGISTER(kProbeFloat, "probe_float");
 NINEDOT_REGISTER(kPulseErrorP99, "pulse_error_p99");
 NINEDOT_REGISTER(kPulseErrorMax, "pulse_error_max");
@@ -230,6 +252,9 @@ struct RegisterCode {
 };
 extern const std::span<const RegisterCode>
     kReasonCodes;  ///< register `reason`; the numbers are enum Reason (base/reason.h)
+
+extern const std::span<const RegisterCode> kPoseContentCodes;  ///< register `pose_content`, enum PoseContent
+extern const std::span<const RegisterCode> kEulerCodes;        ///< register `euler_convention`, enum EulerConvention
 
 /// Register `command`. Never renumber.
 enum class Command : std::uint16_t {

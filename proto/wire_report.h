@@ -17,10 +17,20 @@ inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 /// WireReport::landmark_id before the first pose [1].
 inline constexpr std::uint16_t kNoLandmarkYet = 0xFFFF;
 
-/// A camera's pose in a named frame.
+/// A camera's pose in a named frame, or a robot body's.
 struct WirePose {
   std::array<double, 3> position_mm{kUnknown, kUnknown, kUnknown};
-  std::array<double, 4> quaternion_wxyz{kUnknown, kUnknown, kUnknown, kUnknown};  ///< rotates camera vectors into it
+  std::array<double, 4> quaternion_wxyz{kUnknown, kUnknown, kUnknown, kUnknown};  ///< rotates its vectors into it
+};
+
+/// What the pose registers carry. Register `pose_content`: never renumber.
+enum class PoseContent : std::uint16_t { kCameraInWorld = 0, kCameraInLandmark = 1, kBodyInWorld = 2 };
+/// How its rotation is told as three angles. Register `euler_convention`: never renumber.
+enum class EulerConvention : std::uint16_t { kZyx = 0, kFanuc = 1, kKuka = 2 };
+
+struct PoseOutput {
+  PoseContent content = PoseContent::kCameraInWorld;
+  EulerConvention euler = EulerConvention::kZyx;
 };
 
 struct WireReport {
@@ -38,15 +48,22 @@ struct WireReport {
 
   std::uint16_t landmark_id = kNoLandmarkYet;
   std::uint16_t quality = 0;  ///< 0..1000
-  WirePose camera_in_landmark, camera_in_world;
+  WirePose camera_in_landmark;
   std::array<double, 3> sigma_landmark_mm{kUnknown, kUnknown, kUnknown};  ///< of the position along the landmark's axes
   double sigma_rotation_deg = kUnknown;                                   ///< root of the sum of the three variances
-  std::array<double, 3> sigma_world_mm{kUnknown, kUnknown, kUnknown};
-  std::array<double, 3> sigma_world_deg{kUnknown, kUnknown, kUnknown};  ///< of the rotation about the world's axes
 
-  double ambiguity = kUnknown;  ///< 0..1
-  double rival_odds = 0;        ///< of the newest frame's second-likeliest reading, 0..1; 0: there is none
-  WirePose rival_in_landmark, rival_in_world;                ///< its camera
+  // What the registers carry.
+  PoseOutput output;
+  WirePose pose;
+  std::array<double, 3> sigma_mm{kUnknown, kUnknown, kUnknown};   ///< along the axes of the frame that it is in
+  std::array<double, 3> sigma_deg{kUnknown, kUnknown, kUnknown};  ///< of the rotation about these axes
+  /// Its rotation as angles: yaw, pitch, roll; W, P, R; or A, B, C.
+  std::array<double, 3> angles_deg{kUnknown, kUnknown, kUnknown};
+  std::array<double, 3> sigma_angles_deg{kUnknown, kUnknown, kUnknown};  ///< 1-sigma of each of them
+
+  double ambiguity = kUnknown;        ///< 0..1
+  double rival_odds = 0;              ///< of the newest frame's second-likeliest reading, 0..1; 0: there is none
+  WirePose rival_in_landmark, rival;  ///< its camera; what the registers carry
   std::uint16_t landmarks_seen = 0, landmarks_rejected = 0;  ///< in the newest frame
   std::uint16_t last_rejected_id = 65535;                    ///< 65535: none since the start
   double rms_px = kUnknown;

@@ -294,6 +294,7 @@ void read_map_text(std::string_view text, const std::string& name, Config& confi
     config.landmarks = ConfigReader(*root, own).read_map();
     if (config.landmarks.empty() && own.list.empty()) own.add(1, "a map needs [[landmarks]]");
     check_landmarks(config, own);
+    if (own.list.empty()) check_outputs(config, problems);
   }
   std::ranges::stable_sort(own.list, {}, &ConfigProblem::place);
   for (ConfigProblem& problem : own.list) {

@@ -151,6 +151,12 @@ struct ModbusRtuConfig {
   int unit = 1;                       ///< `unit`: 1..247
 };
 
+/// [outputs]
+struct OutputsConfig {
+  std::string pose = "camera_in_world";  ///< `pose`: camera_in_world | camera_in_landmark | body_in_world
+  std::string euler = "zyx";             ///< `euler`: zyx | fanuc | kuka
+};
+
 /// [service]
 struct ServiceConfig {
   int realtime_priority = 50;  ///< `realtime_priority`: 0 (off)..99, SCHED_FIFO of the frame loop
@@ -171,6 +177,7 @@ struct Config {
   ModbusConfig modbus;
   ModbusTcpConfig modbus_tcp;
   ModbusRtuConfig modbus_rtu;
+  OutputsConfig outputs;
   ServiceConfig service;
 };
 

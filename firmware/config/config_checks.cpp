@@ -137,6 +137,7 @@ bool ConfigProblems::is_in(std::string_view table) const {
 void check_config(const Config& config, ConfigProblems& problems) {
   check_geometry(config.landmark, problems);
   check_landmarks(config, problems);
+  if (config.map.empty()) check_outputs(config, problems);
   check_head(config.pan_tilt, problems);
   check_modbus(config, problems);
   check_sharing(config, problems);

@@ -259,6 +259,12 @@ const std::array kKeysAfterTheHead{
     ConfigKey{"modbus.rtu", "parity", "", 0, 0, "N|E|O", "none, even or odd; one stop bit", SLOT(modbus_rtu.parity)},
     ConfigKey{"modbus.rtu", "unit", "", 1, 247, "", "this device's address on the line", SLOT(modbus_rtu.unit)},
 
+    ConfigKey{"outputs", "pose", "", 0, 0, "camera_in_world|camera_in_landmark|body_in_world",
+              "what the pose registers carry; `body_in_world` needs a landmark with a place, see docs/world.md",
+              SLOT(outputs.pose)},
+    ConfigKey{"outputs", "euler", "", 0, 0, "zyx|fanuc|kuka",
+              "the angles of registers 127-144: yaw, pitch, roll; FANUC W, P, R; KUKA A, B, C", SLOT(outputs.euler)},
+
     ConfigKey{"service", "realtime_priority", "", 0, 99, "", "SCHED_FIFO priority of the frame loop; 0 = off",
               SLOT(service.realtime_priority)},
     ConfigKey{"service", "lock_memory", "", 0, 0, "", "keep the service in memory (mlockall)",
@@ -291,6 +297,7 @@ constexpr std::array kTables{
     TableMeaning{"modbus", "What both Modbus servers share."},
     TableMeaning{"modbus.tcp", "Modbus TCP; served when the table is there, be it empty."},
     TableMeaning{"modbus.rtu", "Modbus RTU on a serial line; served when the table is there, be it empty."},
+    TableMeaning{"outputs", "What of the pose others are told."},
     TableMeaning{"service", "How `ninedotd` runs."},
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -167,6 +168,14 @@ void check_landmarks(const Config& config, ConfigProblems& problems) {
     map.check_place(i);
     LandmarkCheck(landmarks[i], i, problems).check_place();
   }
+}
+
+void check_outputs(const Config& config, ConfigProblems& problems) {
+  const auto has_place = [](const MapLandmarkConfig& landmark) { return landmark.position_mm.has_value(); };
+  if (config.outputs.pose == "body_in_world" && std::ranges::none_of(config.landmarks, has_place))
+    problems.add(problems.line_of("outputs.pose"),
+                 "'pose' is 'body_in_world', and no landmark has a place in the world: write 'position_mm' in "
+                 "[[landmarks]], or a 'map'");
 }
 
 }  // namespace ninedot

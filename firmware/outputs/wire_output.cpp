@@ -2,7 +2,10 @@
 
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 #include "base/units.h"
+#include "outputs/told_angles.h"
 
 namespace ninedot {
 namespace {
@@ -19,17 +22,49 @@ WirePose wire_pose(const ReportPose& pose) noexcept {
 
 double ms_of(std::chrono::nanoseconds duration) noexcept { return static_cast<double>(duration.count()) * 1e-6; }
 
+/// Of one of the three poses that a report knows. Covariances are of (position in its frame, rotation in its own axes).
+struct ChosenPose {
+  const ReportPose& pose;
+  const std::array<double, 36>& covariance;
+  const ReportPose& rival;
+};
+
+ChosenPose chosen_pose(const Report& report, PoseContent content) noexcept {
+  switch (content) {
+    case PoseContent::kCameraInLandmark:
+      return {report.camera_in_landmark, report.covariance, report.rival.camera_in_landmark};
+    case PoseContent::kBodyInWorld:
+      return {report.body_in_world, report.covariance_body, report.rival.body_in_world};
+    case PoseContent::kCameraInWorld:
+      break;
+  }
+  return {report.camera_in_world, report.covariance_world, report.rival.camera_in_world};
+}
+
+void fill_chosen(const ChosenPose& chosen, WireReport& wire) noexcept {
+  const auto& [w, x, y, z] = chosen.pose.quaternion_wxyz;
+  const Eigen::Matrix3d R = Eigen::Quaterniond(w, x, y, z).toRotationMatrix();
+  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(chosen.covariance.data());
+  const Eigen::Matrix3d rotation = covariance.bottomRightCorner<3, 3>(), about_axes = R * rotation * R.transpose();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto at = static_cast<Eigen::Index>(axis);
+    wire.sigma_mm[axis] = std::sqrt(covariance(at, at)) * kMmPerM;
+    wire.sigma_deg[axis] = std::sqrt(about_axes(at, at)) * kDegPerRad;
+  }
+  const ToldAngles told = told_angles(R, rotation, wire.output.euler);
+  wire.pose = wire_pose(chosen.pose);
+  wire.angles_deg = told.angles_deg;
+  wire.sigma_angles_deg = told.sigma_deg;
+}
+
 void fill_pose(const Report& report, WireReport& wire) noexcept {
   const auto variance = [&report](std::size_t axis) { return report.covariance[7 * axis]; };
   wire.has_pose = true;
   wire.exposed_at = report.exposed_at;
   wire.landmark_id = report.landmark_id;
   wire.camera_in_landmark = wire_pose(report.camera_in_landmark);
-  wire.camera_in_world = wire_pose(report.camera_in_world);
   for (std::size_t axis = 0; axis < 3; ++axis) wire.sigma_landmark_mm[axis] = std::sqrt(variance(axis)) * kMmPerM;
   wire.sigma_rotation_deg = std::sqrt(variance(3) + variance(4) + variance(5)) * kDegPerRad;
-  wire.sigma_world_mm = scaled(report.sigma_world.data(), kMmPerM);
-  wire.sigma_world_deg = scaled(report.sigma_world.data() + 3, kDegPerRad);
   wire.ambiguity = report.ambiguity;
   wire.rms_px = report.rms_px;
   wire.dots_used = report.dots_used;
@@ -42,8 +77,10 @@ void fill_pose(const Report& report, WireReport& wire) noexcept {
 
 }  // namespace
 
-WireReport wire_report(const Report& report) noexcept {
+WireReport wire_report(const Report& report, const PoseOutput& output) noexcept {
+  const ChosenPose chosen = chosen_pose(report, output.content);
   WireReport wire;
+  wire.output = output;
   wire.frames_processed = report.frames.processed;
   wire.pose_sequence = report.pose_sequence;
   wire.frame_number = report.frame_number;
@@ -60,12 +97,13 @@ WireReport wire_report(const Report& report) noexcept {
   wire.rival_odds = report.rival.odds;
   if (report.rival.odds > 0) {
     wire.rival_in_landmark = wire_pose(report.rival.camera_in_landmark);
-    wire.rival_in_world = wire_pose(report.rival.camera_in_world);
+    wire.rival = wire_pose(chosen.rival);
   }
   wire.landmarks_seen = report.landmarks_seen;
   wire.landmarks_rejected = report.landmarks_rejected;
   wire.last_rejected_id = report.last_rejected_id;
   if (report.has_pose) fill_pose(report, wire);
+  if (report.has_pose) fill_chosen(chosen, wire);
   wire.has_head = report.head.present;
   wire.servo_limit = report.head.limited;
   wire.servo_fault = report.head.failed;
@@ -108,7 +146,7 @@ MetricValues frame_metrics(const Report& report, const Health& health, MonoTime 
 
 WireState WireOutput::read(MonoTime now) const noexcept {
   const Report report = reports_.read();
-  return {wire_report(report), frame_metrics(report, health_.read(), now)};
+  return {wire_report(report, output_), frame_metrics(report, health_.read(), now)};
 }
 
 }  // namespace ninedot

@@ -8,8 +8,8 @@
 
 namespace ninedot {
 
-/// The one translation of a report. Memory: none. Threads: pure.
-WireReport wire_report(const Report& report) noexcept;
+/// The one translation of a report. \param output  what the pose registers carry. Memory: none. Threads: pure.
+WireReport wire_report(const Report& report, const PoseOutput& output = {}) noexcept;
 
 /// The metrics that the report and the health make known; those of the Modbus servers stay 0.
 /// \param now  the moment that they are for. Memory: none. Threads: pure.
@@ -18,15 +18,16 @@ MetricValues frame_metrics(const Report& report, const Health& health, MonoTime 
 /// The registers' source: read when a request is answered, so that no copy of a report waits anywhere.
 class WireOutput final : public WireSource {
  public:
-  /// Both must outlive this.
-  WireOutput(const Mailbox<Report>& reports, const Mailbox<Health>& health) noexcept
-      : reports_(reports), health_(health) {}
+  /// Both must outlive this. \param output  what the pose registers carry
+  WireOutput(const Mailbox<Report>& reports, const Mailbox<Health>& health, const PoseOutput& output = {}) noexcept
+      : reports_(reports), health_(health), output_(output) {}
   /// Report and frame counters are of the same frame. Threads: any ordinary one.
   WireState read(MonoTime now) const noexcept override;
 
  private:
   const Mailbox<Report>& reports_;
   const Mailbox<Health>& health_;
+  const PoseOutput output_;
 };
 
 }  // namespace ninedot

@@ -71,7 +71,7 @@ void FrameLoop::on_frame(const FrameLease& lease) noexcept {
   const Fix& fix = processor_.process(lease.frame);
   look_at_head();
   last_frame_at_ = mono_now();
-  publish(next_report(report_, lease.frame, fix, {mono_now(), head_, lease.dropped_before}));
+  publish(next_report(report_, lease.frame, fix, {mono_now(), head_, lease.dropped_before, &options_.body}));
   if (report_.reason == Reason::kFrameSize) return;
   latency_.add(report_.latency);
   frames_processed_.fetch_add(1, std::memory_order_relaxed);

@@ -9,6 +9,7 @@
 #include "base/handoff.h"
 #include "base/mailbox.h"
 #include "base/result.h"
+#include "geometry/body.h"
 #include "pipeline/frame_processor.h"
 #include "pipeline/latency_histogram.h"
 #include "ports/frame_source.h"
@@ -24,6 +25,7 @@ struct FrameLoopOptions {
   std::chrono::nanoseconds health_period = std::chrono::seconds(1);       ///< between two publications of Health
   std::chrono::nanoseconds failure_pause = std::chrono::milliseconds(5);  ///< least time between two failed attempts
   bool memory_locked = false;                                             ///< passed on in Health
+  BodyGeometry body{};                                                    ///< where the camera sits on the robot
   Handoff<HeadSnapshot>* head = nullptr;  ///< what the head does, of its own thread; null: there is no head
 };
 

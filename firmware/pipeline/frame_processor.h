@@ -18,13 +18,13 @@ namespace ninedot {
 /// What one frame says of one landmark.
 struct LandmarkFix {
   std::uint16_t id = 0;
-  PoseCandidates candidates;                              ///< every reading, with its odds
-  std::size_t chosen = 0;                                 ///< index of the one that is believed
-  Transform<frame::World, frame::Camera> T_world_camera;  ///< by the map
-  std::array<double, 6> sigma_world{};                    ///< 1-sigma: x y z [m], about the world's x y z [rad]
-  Reason verdict = Reason::kNone;                         ///< kNone: it may be acted on; else why not
-  std::uint16_t quality = 0;                              ///< 0..1000, see pose_quality
-  LandmarkSighting sighting;                              ///< what joins it with others and with other pictures
+  PoseCandidates candidates;                                   ///< every reading, with its odds
+  std::size_t chosen = 0;                                      ///< index of the one that is believed
+  Transform<frame::World, frame::Camera> T_world_camera;       ///< by the map
+  PoseInformation covariance_world = PoseInformation::Zero();  ///< of a PoseStep of it [m^2, m rad, rad^2]
+  Reason verdict = Reason::kNone;                              ///< kNone: it may be acted on; else why not
+  std::uint16_t quality = 0;                                   ///< 0..1000, see pose_quality
+  LandmarkSighting sighting;                                   ///< what joins it with others and with other pictures
 
   /// Of the camera in the frame of this landmark.
   const PoseEstimate& pose() const noexcept { return candidates.list[chosen].pose; }

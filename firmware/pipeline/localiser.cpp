@@ -31,31 +31,11 @@ std::uint16_t pose_quality(const PoseEstimate& pose) noexcept {
   return std::isfinite(quality) ? static_cast<std::uint16_t>(std::lround(quality)) : std::uint16_t{0};
 }
 
-std::array<double, 6> world_sigmas(const PoseEstimate& pose,
-                                   const Transform<frame::World, frame::Landmark>& T_world_landmark) noexcept {
-  const Eigen::Matrix3d R_world_landmark = T_world_landmark.rotation;
-  const Eigen::Matrix3d R_world_camera = R_world_landmark * pose.T_landmark_camera.rotation;
-  const Eigen::Matrix3d position =
-      R_world_landmark * pose.covariance.topLeftCorner<3, 3>() * R_world_landmark.transpose();
-  const Eigen::Matrix3d rotation =
-      R_world_camera * pose.covariance.bottomRightCorner<3, 3>() * R_world_camera.transpose();
-  std::array<double, 6> sigmas{};
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    sigmas[static_cast<std::size_t>(i)] = std::sqrt(std::max(0.0, position(i, i)));
-    sigmas[static_cast<std::size_t>(i) + 3] = std::sqrt(std::max(0.0, rotation(i, i)));
-  }
-  return sigmas;
-}
-
-std::array<double, 6> world_sigmas(const WorldFromCamera& T_world_camera, const PoseInformation& covariance) noexcept {
-  const Eigen::Matrix3d rotation =
-      T_world_camera.rotation * covariance.bottomRightCorner<3, 3>() * T_world_camera.rotation.transpose();
-  std::array<double, 6> sigmas{};
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    sigmas[static_cast<std::size_t>(i)] = std::sqrt(std::max(0.0, covariance(i, i)));
-    sigmas[static_cast<std::size_t>(i) + 3] = std::sqrt(std::max(0.0, rotation(i, i)));
-  }
-  return sigmas;
+PoseInformation covariance_in_world(const PoseEstimate& pose,
+                                    const Transform<frame::World, frame::Landmark>& T_world_landmark) noexcept {
+  PoseInformation turn = PoseInformation::Identity();
+  turn.topLeftCorner<3, 3>() = T_world_landmark.rotation;
+  return turn * pose.covariance * turn.transpose();
 }
 
 Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
@@ -100,9 +80,7 @@ void Localiser::follow_in_world(const Frame& frame, const LandmarkFix& fix) noex
   const MappedLandmark& mapped = this->mapped();
   const PoseEstimate& pose = fix.pose();
   if (fix.verdict == Reason::kNone) {
-    PoseInformation turn = PoseInformation::Identity();
-    turn.topLeftCorner<3, 3>() = mapped.T_world_landmark.rotation;
-    fix_.world = WorldFix{fix.T_world_camera, turn * pose.covariance * turn.transpose(), pose.ambiguity, {}, {}};
+    fix_.world = WorldFix{fix.T_world_camera, fix.covariance_world, pose.ambiguity, {}, {}};
     (void)fix_.world->used.try_push_back(fix.id);
   }
   LandmarkSighting sighting = fix.sighting;
@@ -138,7 +116,7 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bo
   widen(fix.candidates.list[chosen].pose, seeker_.row_uncertainty(track_), seeker_.camera());
   const PoseEstimate& pose = fix.pose();
   fix.T_world_camera = landmark.T_world_landmark * pose.T_landmark_camera;
-  fix.sigma_world = world_sigmas(pose, landmark.T_world_landmark);
+  fix.covariance_world = covariance_in_world(pose, landmark.T_world_landmark);
   fix.quality = pose_quality(pose);
   fix.sighting = {fix.id, pose.T_landmark_camera.inverse(), fix.candidates.list[chosen].dots};
   fix.verdict = verdict_on(pose, fits, options_.trust);

@@ -39,12 +39,10 @@ struct LocaliserOptions {
 ///   unique = 1 - ambiguity / 2: a half when the other planar solution fits as well.
 std::uint16_t pose_quality(const PoseEstimate& pose) noexcept;
 
-/// 1-sigmas of a pose along the world's axes: x y z [m], rotation about the world's x y z [rad].
-std::array<double, 6> world_sigmas(const PoseEstimate& pose,
-                                   const Transform<frame::World, frame::Landmark>& T_world_landmark) noexcept;
-
-/// 1-sigmas of a place of the camera, likewise [m, rad]. \param covariance  of a PoseStep [m^2, m rad, rad^2]
-std::array<double, 6> world_sigmas(const WorldFromCamera& T_world_camera, const PoseInformation& covariance) noexcept;
+/// Of the camera in the world by one landmark's pose and its place, which is taken as exact.
+/// \return  of a PoseStep [m^2, m rad, rad^2]
+PoseInformation covariance_in_world(const PoseEstimate& pose,
+                                    const Transform<frame::World, frame::Landmark>& T_world_landmark) noexcept;
 
 /// Where there is one black-and-white landmark. Memory: everything is allocated by the constructor. Threads: one
 /// caller.

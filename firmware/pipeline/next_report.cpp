@@ -5,18 +5,25 @@
 namespace ninedot {
 namespace {
 
-ReportPose report_pose(const Eigen::Vector3d& position_m, const Eigen::Quaterniond& q) noexcept {
-  return {{position_m.x(), position_m.y(), position_m.z()}, {q.w(), q.x(), q.y(), q.z()}};
+template <typename From, typename To>
+ReportPose report_pose(const Transform<From, To>& T) noexcept {
+  const Eigen::Quaterniond q = T.quaternion();
+  return {{T.translation_m.x(), T.translation_m.y(), T.translation_m.z()}, {q.w(), q.x(), q.y(), q.z()}};
 }
 
-void fill_pose(const LandmarkFix& fix, Report& report) noexcept {
+void fill(const Eigen::Matrix<double, 6, 6>& covariance, std::array<double, 36>& rows) noexcept {
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(rows.data()) = covariance;
+}
+
+void fill_pose(const LandmarkFix& fix, const CameraOnBody& camera, Report& report) noexcept {
   const PoseEstimate& pose = fix.pose();
-  report.camera_in_landmark = report_pose(pose.T_landmark_camera.translation_m, pose.T_landmark_camera.quaternion());
-  report.camera_in_world = report_pose(fix.T_world_camera.translation_m, fix.T_world_camera.quaternion());
-  for (Eigen::Index row = 0; row < 6; ++row)
-    for (Eigen::Index column = 0; column < 6; ++column)
-      report.covariance[static_cast<std::size_t>(6 * row + column)] = pose.covariance(row, column);
-  report.sigma_world = fix.sigma_world;
+  const BodyPose body = body_in_world(fix.T_world_camera, fix.covariance_world, camera);
+  report.camera_in_landmark = report_pose(pose.T_landmark_camera);
+  report.camera_in_world = report_pose(fix.T_world_camera);
+  report.body_in_world = report_pose(body.T_world_body);
+  fill(pose.covariance, report.covariance);
+  fill(fix.covariance_world, report.covariance_world);
+  fill(body.covariance, report.covariance_body);
   report.landmark_id = fix.id;
   report.quality = fix.quality;
   report.ambiguity = pose.ambiguity;
@@ -31,13 +38,20 @@ void fill_pose(const LandmarkFix& fix, Report& report) noexcept {
   report.deviation_rad = pose.ellipse.deviation_rad;
 }
 
-void fill_rival(const LandmarkFix& fix, Report& report) noexcept {
+void fill_rival(const LandmarkFix& fix, const CameraOnBody& camera, Report& report) noexcept {
   report.rival = {};
   if (!fix.candidates.rival) return;
   const auto& T = fix.candidates.rival->T_landmark_camera;
   const auto T_world = fix.T_world_camera * fix.pose().T_landmark_camera.inverse() * T;
-  report.rival = {fix.candidates.rival->odds, report_pose(T.translation_m, T.quaternion()),
-                  report_pose(T_world.translation_m, T_world.quaternion())};
+  report.rival = {fix.candidates.rival->odds, report_pose(T), report_pose(T_world),
+                  report_pose(T_world * camera.T_body_camera.inverse())};
+}
+
+/// When the frame was exposed.
+CameraOnBody mounted_at(const Frame& frame, const ReportContext& context) noexcept {
+  const HeadAngles recorded = frame.head.value_or(HeadAngles{});
+  const HeadAngles head = context.head != nullptr ? context.head->track.at(frame.exposed_at()) : recorded;
+  return camera_on_body(context.body != nullptr ? *context.body : BodyGeometry{}, head);
 }
 
 /// \param exposed_at  of a valid pose: where the head stood then; null: where it stands now
@@ -67,7 +81,7 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix, con
   report.solver = fix.solver;
   const MonoTime exposed_at = frame.exposed_at();
   if (fix.reason == Reason::kNone) {
-    fill_pose(fix.main(), report);
+    fill_pose(fix.main(), mounted_at(frame, context), report);
     report.has_pose = true;
     report.exposed_at = exposed_at;
     ++report.pose_sequence;
@@ -77,7 +91,7 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix, con
   } else {
     mark_invalid(fix.reason, report);
   }
-  if (!fix.landmarks.empty()) fill_rival(fix.main(), report);
+  if (!fix.landmarks.empty()) fill_rival(fix.main(), mounted_at(frame, context), report);
   if (fix.reason == Reason::kAmbiguous) {
     report.ambiguous = true;
     report.ambiguity = fix.main().pose().ambiguity;
@@ -100,10 +114,12 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix, con
   return report;
 }
 
-Report with_pose_of(const Report& report, const Frame& frame, const LandmarkFix& landmark) noexcept {
+Report with_pose_of(const Report& report, const Frame& frame, const LandmarkFix& landmark,
+                    const ReportContext& context) noexcept {
+  const CameraOnBody camera = mounted_at(frame, context);
   Report shown = report;
-  fill_pose(landmark, shown);
-  fill_rival(landmark, shown);
+  fill_pose(landmark, camera, shown);
+  fill_rival(landmark, camera, shown);
   shown.valid = landmark.verdict == Reason::kNone;
   shown.reason = landmark.verdict;
   shown.has_pose = true;

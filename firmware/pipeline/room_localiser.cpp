@@ -392,8 +392,7 @@ void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const
   pose.ambiguity = either(is_used ? world.ambiguity : pose.ambiguity, landmark.identity->others_odds);
   fix.sighting = {mapped.id, pose.T_landmark_camera.inverse(), fix.candidates.list[fix.chosen].dots};
   fix.T_world_camera = world.is_valid() ? world.T_world_camera : mapped.T_world_landmark * pose.T_landmark_camera;
-  fix.sigma_world = world.is_valid() ? world_sigmas(world.T_world_camera, world.covariance)
-                                     : world_sigmas(pose, mapped.T_world_landmark);
+  fix.covariance_world = world.is_valid() ? world.covariance : covariance_in_world(pose, mapped.T_world_landmark);
   fix.quality = pose_quality(pose);
   fix.verdict = verdict_on(pose, true, options_.trust);
   (void)fix_.landmarks.try_push_back(fix);

@@ -20,7 +20,7 @@ namespace ninedot {
 enum class Solver : std::uint8_t { kFull, kEllipse };
 
 /// Camera pose in a named frame: optical centre [m] and the unit quaternion (w, x, y, z; w >= 0) that rotates camera
-/// vectors into that frame.
+/// vectors into that frame. Of a body likewise: its origin, its vectors.
 struct ReportPose {
   std::array<double, 3> position_m{};
   std::array<double, 4> quaternion_wxyz{1, 0, 0, 0};
@@ -28,8 +28,8 @@ struct ReportPose {
 
 /// Another reading of the newest frame's landmark.
 struct ReportRival {
-  double odds = 0;                                 ///< that it is the right one, 0..1; 0: there is none
-  ReportPose camera_in_landmark, camera_in_world;  ///< mean something where the odds are above 0
+  double odds = 0;                                                ///< that it is the right one, 0..1; 0: there is none
+  ReportPose camera_in_landmark, camera_in_world, body_in_world;  ///< mean something where the odds are above 0
 };
 
 /// How far the newest order to the head has come.
@@ -88,8 +88,9 @@ struct Report {
   ReportPose camera_in_world;     ///< by the map; equals camera_in_landmark without one
   /// Row-major 6x6 of (position in S0 [m], rotation vector in the camera frame [rad]).
   std::array<double, 36> covariance{};
-  /// The same six 1-sigmas with the position along the world's axes: x y z [m], rotation about the world's x y z [rad].
-  std::array<double, 6> sigma_world{};
+  std::array<double, 36> covariance_world{};  ///< of camera_in_world, likewise [m^2, m rad, rad^2]
+  ReportPose body_in_world;                   ///< as the head stood at the exposure; see geometry/body.h
+  std::array<double, 36> covariance_body{};   ///< of body_in_world, likewise [m^2, m rad, rad^2]
 
   double ambiguity = 0;  ///< odds of all other readings; of the newest frame where that is `ambiguous`. 0..1
   double rms_px = 0;     ///< residual, as PoseEstimate has it [px]

@@ -33,6 +33,15 @@ ModbusOptions modbus_options(const Config& config) {
   return options;
 }
 
+PoseOutput pose_output(const Config& config) {
+  PoseOutput output;
+  if (config.outputs.pose == "camera_in_landmark") output.content = PoseContent::kCameraInLandmark;
+  if (config.outputs.pose == "body_in_world") output.content = PoseContent::kBodyInWorld;
+  if (config.outputs.euler == "fanuc") output.euler = EulerConvention::kFanuc;
+  if (config.outputs.euler == "kuka") output.euler = EulerConvention::kKuka;
+  return output;
+}
+
 std::vector<std::string> reading_commands(const ModbusOptions& options) {
   // -0: addresses as on the wire; -B: high word first; -t 4:int: 32-bit integers in holding registers.
   const std::string registers = fmt::format("-0 -r {} -c 6 -t 4:int -B -1", reg::kX32);

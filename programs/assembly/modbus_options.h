@@ -10,6 +10,9 @@ namespace ninedot {
 
 ModbusOptions modbus_options(const Config& config);
 
+/// [outputs]
+PoseOutput pose_output(const Config& config);
+
 /// How to read the position with the stock client `mbpoll`: a command line for each server, ready to copy.
 std::vector<std::string> reading_commands(const ModbusOptions& options);
 

@@ -37,7 +37,8 @@ namespace {
 using namespace std::chrono_literals;
 
 struct ReplayArguments {
-  std::string recording, config, camera, out, out_world, out_track, format = "csv", of_frame = "camera", overlay_folder;
+  std::string recording, config, camera, out, out_world, out_track, format = "csv", of_frame = "camera", euler,
+                                                                    overlay_folder;
   bool realtime = false, keep_going = false;
 };
 
@@ -70,6 +71,11 @@ class OverlayWriter {
   LandmarkGeometry landmark_;
   RgbPicture picture_;
 };
+
+std::optional<EulerConvention> euler_convention(const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  return name == "fanuc" ? EulerConvention::kFanuc : name == "kuka" ? EulerConvention::kKuka : EulerConvention::kZyx;
+}
 
 /// Rows in the chosen format.
 class PoseRows {
@@ -134,10 +140,12 @@ void run_replay(const ReplayArguments& arguments) {
   const RecordedTimes times(arguments.recording, arguments.realtime);
   OverlayWriter overlay(arguments.overlay_folder, camera, options.seeker.landmark);
   PoseRows rows(arguments.out, arguments.format == "tum");
-  std::optional<BodyGeometry> body;
-  if (arguments.of_frame == "body") body = body_geometry(config.body);
-  WorldRows world(arguments.out_world, WorldRows::Kind::kWorld, options.trust.max_ambiguity, body);
-  WorldRows track(arguments.out_track, WorldRows::Kind::kTrack, options.trust.max_ambiguity, body);
+  const BodyGeometry body = body_geometry(config.body);
+  const WorldRowsOptions world_options{options.trust.max_ambiguity,
+                                       arguments.of_frame == "body" ? std::optional(body) : std::nullopt,
+                                       euler_convention(arguments.euler)};
+  WorldRows world(arguments.out_world, WorldRows::Kind::kWorld, world_options);
+  WorldRows track(arguments.out_track, WorldRows::Kind::kTrack, world_options);
 
   ReplayCounts counts;
   Progress progress;
@@ -160,12 +168,13 @@ void run_replay(const ReplayArguments& arguments) {
     counts.dropped += lease->dropped_before;
     const Frame frame = times.stamped(lease->frame);
     const Fix& fix = localiser->process(frame);
-    report = next_report(report, frame, fix, {.now = frame.exposed_at()});
+    const ReportContext context{.now = frame.exposed_at(), .body = &body};
+    report = next_report(report, frame, fix, context);
     counts.process_us.push_back(std::chrono::duration<double, std::micro>(report.process_time).count());
     if (!fix.landmarks.empty()) {
       ++counts.found;
       if (report.valid) ++counts.valid;
-      for (const LandmarkFix& landmark : fix.landmarks) rows.add(with_pose_of(report, frame, landmark));
+      for (const LandmarkFix& landmark : fix.landmarks) rows.add(with_pose_of(report, frame, landmark, context));
     }
     world.add(frame, fix);
     track.add(frame, fix);
@@ -193,6 +202,8 @@ void add_replay_command(CLI::App& app) {
   command->add_option("--out-track", arguments->out_track, "file for the same, filtered over time, with velocity");
   command->add_option("--frame", arguments->of_frame, "whose place these two have: camera (default), or body: [body]")
       ->check(CLI::IsMember({"camera", "body"}));
+  command->add_option("--euler", arguments->euler, "adds their angles with 1-sigmas: zyx, fanuc, or kuka")
+      ->check(CLI::IsMember({"zyx", "fanuc", "kuka"}));
   command->add_option("--format", arguments->format, "csv (default), or tum: timestamp x y z qx qy qz qw")
       ->check(CLI::IsMember({"csv", "tum"}));
   command->add_option("--overlay", arguments->overlay_folder, "folder for pictures that show what was found");

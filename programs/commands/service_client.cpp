@@ -14,6 +14,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kPatience = 2s;
+constexpr std::uint16_t kFirstRead = 125;  // what one request reads
+constexpr int kAttempts = 4;               // to read both parts of one frame
 
 ModbusTcpClient connect(const std::string& host, std::uint16_t port) {
   Result<ModbusTcpClient> client = ModbusTcpClient::connect(host, port, kPatience);
@@ -43,13 +45,23 @@ RegisterReader ServiceClient::read() {
   return *reader;
 }
 
+Result<void> ServiceClient::read_all() {
+  const std::span<std::uint16_t> all(registers_);
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    if (const Result<void> done = client_->read_registers(0, all.first(kFirstRead)); !done) return done;
+    if (const Result<void> done = client_->read_registers(kFirstRead, all.subspan(kFirstRead)); !done) return done;
+    if (registers_[reg::kPoseSequence] == registers_[reg::kPoseSequenceEnd]) break;
+  }
+  return {};
+}
+
 Result<RegisterReader> ServiceClient::try_read() {
   if (!client_) {
     Result<ModbusTcpClient> again = ModbusTcpClient::connect(host_, port_, kPatience);
     if (!again) return tl::unexpected<Error>(again.error());
     client_.emplace(std::move(*again));
   }
-  if (const Result<void> done = client_->read_registers(0, registers_); !done) {
+  if (const Result<void> done = read_all(); !done) {
     client_.reset();
     return tl::unexpected<Error>(done.error());
   }

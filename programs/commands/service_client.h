@@ -16,8 +16,8 @@ class ServiceClient {
   /// Throws StartupError(kWorkFailed): nobody answers there.
   ServiceClient(const std::string& host, std::uint16_t port);
 
-  /// The whole map, of one frame; stays valid until the next read. Throws StartupError(kWorkFailed): no answer, or no
-  /// ninedotd of this version.
+  /// The whole map, of one frame (the angles of the newest one, where frames come faster than replies); stays valid
+  /// until the next read. Throws StartupError(kWorkFailed): no answer, or no ninedotd of this version.
   RegisterReader read();
   /// The same for those who wait for a lost service: connects again first where the last attempt failed.
   /// \error  kIo: no answer. Throws StartupError(kWorkFailed): no ninedotd of this version.
@@ -31,6 +31,8 @@ class ServiceClient {
   std::string place() const;
 
  private:
+  Result<void> read_all();
+
   const std::string host_;
   const std::uint16_t port_;
   std::optional<ModbusTcpClient> client_;  // none: lost

@@ -13,6 +13,8 @@
 /// | landmarks_used | | how many the pose is made of; of a track: of this frame's |
 /// | landmarks_rejected | | ids of those that do not hang where the map says, separated by spaces |
 /// | vx_mm_s vy_mm_s vz_mm_s | mm/s | of a track: velocity of the optical centre, in the world |
+/// | yaw_deg pitch_deg roll_deg, or w_deg p_deg r_deg, or a_deg b_deg c_deg | deg | with --euler: its rotation |
+/// | sigma_yaw_deg ... | deg | with --euler: 1-sigma of each of them |
 #include <optional>
 #include <string>
 
@@ -20,16 +22,22 @@
 #include "geometry/body.h"
 #include "image/frame.h"
 #include "pipeline/frame_processor.h"
+#include "proto/wire_report.h"
 
 namespace ninedot {
+
+struct WorldRowsOptions {
+  double max_ambiguity = 0.01;           ///< of a track: beyond it there is no row
+  std::optional<BodyGeometry> body;      ///< where the camera sits, to write the body's pose; none: the camera's
+  std::optional<EulerConvention> euler;  ///< angles to add; none: none
+};
 
 /// One of the two files. Throws StartupError as OutputFile does. Memory: allocates.
 class WorldRows {
  public:
   enum class Kind { kWorld, kTrack };
-  /// \param path  of a file; empty: nothing is written \param body  where the camera sits, to write the body's pose;
-  /// none: the camera's. The head stands as the recording says.
-  WorldRows(const std::string& path, Kind kind, double max_ambiguity, const std::optional<BodyGeometry>& body);
+  /// \param path  of a file; empty: nothing is written. The head stands as the recording says.
+  WorldRows(const std::string& path, Kind kind, const WorldRowsOptions& options);
 
   /// Whether a frame has a pose of this kind that may be acted on.
   static bool has_row(Kind kind, const Fix& fix, double max_ambiguity) noexcept;
@@ -41,8 +49,7 @@ class WorldRows {
  private:
   std::optional<OutputFile> file_;
   Kind kind_;
-  double max_ambiguity_;
-  std::optional<BodyGeometry> body_;
+  WorldRowsOptions options_;
 };
 
 }  // namespace ninedot

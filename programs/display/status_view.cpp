@@ -63,6 +63,31 @@ std::string uptime_text(std::uint32_t seconds) {
   return fmt::format("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
 }
 
+/// What the rotation turns: "camera to world".
+std::string_view turn_of(const RegisterReader& r) {
+  switch (static_cast<PoseContent>(r.integer(reg::kPoseContent))) {
+    case PoseContent::kCameraInLandmark:
+      return "camera to landmark";
+    case PoseContent::kBodyInWorld:
+      return "body to world";
+    case PoseContent::kCameraInWorld:
+      break;
+  }
+  return "camera to world";
+}
+
+std::string_view angle_names(const RegisterReader& r) {
+  switch (static_cast<EulerConvention>(r.integer(reg::kEulerConvention))) {
+    case EulerConvention::kFanuc:
+      return "FANUC W, P, R";
+    case EulerConvention::kKuka:
+      return "KUKA A, B, C";
+    case EulerConvention::kZyx:
+      break;
+  }
+  return "yaw, pitch, roll";
+}
+
 /// "?" for what the service does not know: of unsigned registers that is the end of their range.
 std::string metric_value(const RegisterReader& r, const Metric& metric) {
   if (metric.id == MetricId::kUptime) return uptime_text(r.integer(metric.address));
@@ -169,8 +194,13 @@ std::string status_table(const RegisterReader& r) {
   add(text, "                     x           y           z\n");
   add(text, "position  {} mm\n", triple(r, reg::kX32, 2, 3));
   add(text, "  1-sigma {} mm\n", triple(r, reg::kSigmaX, 1, 2));
-  add(text, "rotation  {} deg (rotation vector, camera to world)\n", triple(r, reg::kRotationX32, 2, 3));
+  add(text, "rotation  {} deg (rotation vector, {})\n", triple(r, reg::kRotationX32, 2, 3), turn_of(r));
   add(text, "  1-sigma {} deg\n", triple(r, reg::kSigmaRotationX, 1, 3));
+  // Of a camera, whose z looks forward, they are no angles that a person reads.
+  if (r.integer(reg::kPoseContent) != 0 || r.integer(reg::kEulerConvention) != 0) {
+    add(text, "angles    {} deg ({})\n", triple(r, reg::kAngle32, 2, 3), angle_names(r));
+    add(text, "  1-sigma {} deg\n", triple(r, reg::kSigmaAngle, 1, 3));
+  }
   add(text, "landmark   {} of 9 dots, residual {} px, ambiguity {}, {} solver\n", r.integer(reg::kDotsUsed),
       number(known_value(r, reg::kResidual), 3), number(known_value(r, reg::kAmbiguity), 2),
       r.status(status_bit::kEllipseSolver) ? "ellipse" : "full");

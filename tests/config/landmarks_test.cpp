@@ -254,5 +254,28 @@ TEST(ConfigLandmarks, MayBeAThousand) {
   EXPECT_EQ(error_of(text), "t.toml:4002: more than 1000 landmarks");
 }
 
+TEST(Outputs, AreTheCameraInTheWorldUnlessAskedOtherwise) {
+  const Config config = parse("");
+  EXPECT_EQ(config.outputs.pose, "camera_in_world");
+  EXPECT_EQ(config.outputs.euler, "zyx");
+  EXPECT_EQ(error_of("[outputs]\npose = \"robot\"\n"),
+            "t.toml:2: 'pose' is 'robot'; write one of camera_in_world, camera_in_landmark, body_in_world");
+  EXPECT_EQ(error_of("[outputs]\neuler = \"abb\"\n"), "t.toml:2: 'euler' is 'abb'; write one of zyx, fanuc, kuka");
+}
+
+TEST(Outputs, ABodyNeedsAWorldInWhichALandmarkHasAPlace) {
+  const std::string body = "[outputs]\npose = \"body_in_world\"\n", place = "position_mm = [0, 0, 1200]\n";
+  const std::string landmark = "[[landmarks]]\nid = 1\n", map = "map = \"hall.toml\"\n";
+  const std::string what =
+      "'pose' is 'body_in_world', and no landmark has a place in the world: write 'position_mm' in [[landmarks]], or a "
+      "'map'";
+  EXPECT_EQ(error_of(body), "t.toml:2: " + what);
+  EXPECT_EQ(error_of(landmark + body), "t.toml:4: " + what);
+  EXPECT_EQ(parse(landmark + place + body).outputs.pose, "body_in_world");
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(errors_with_map(map + body, landmark), (Lines{"ninedot_with_map.toml:3: " + what}));
+  EXPECT_EQ(errors_with_map(map + body, landmark + place), Lines{});
+}
+
 }  // namespace
 }  // namespace ninedot

@@ -35,12 +35,14 @@ bool is_of_one_frame(std::span<const std::uint16_t> registers) {
          reader.value(reg::kXFloat + 4) == 2 * n && (n > 16383 || reader.value(reg::kX16) == n);
 }
 
+constexpr std::uint16_t kRead = 125;  // registers, as many as one request reads
+
 void read_many(std::uint16_t port, int reads, Count& count) {
   const test::RawClient client(port);
-  const test::Bytes request = test::tcp_frame(test::read_pdu(0, kRegisterCount));
+  const test::Bytes request = test::tcp_frame(test::read_pdu(0, kRead));
   test::Bytes batch;
   for (int i = 0; i < kInFlight; ++i) batch.insert(batch.end(), request.begin(), request.end());
-  constexpr std::size_t kReplyBytes = 9 + 2 * kRegisterCount;
+  constexpr std::size_t kReplyBytes = 9 + 2 * kRead;
   std::uint32_t newest = 0;
   for (int done = 0; done < reads; done += kInFlight) {
     client.send(batch);

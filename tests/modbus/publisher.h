@@ -18,9 +18,9 @@ inline WireReport report_number(std::uint32_t sequence) {
   report.reason = Reason::kNone;
   report.exposed_at = mono_now();
   report.landmark_id = static_cast<std::uint16_t>(sequence);
-  report.camera_in_world = {{n, -n, 2 * n}, {1, 0, 0, 0}};
-  report.sigma_world_mm = {n * 1e-2, n * 1e-2, n * 1e-2};
-  report.sigma_world_deg = {n * 1e-4, n * 1e-4, n * 1e-4};
+  report.pose = {{n, -n, 2 * n}, {1, 0, 0, 0}};
+  report.sigma_mm = {n * 1e-2, n * 1e-2, n * 1e-2};
+  report.sigma_deg = {n * 1e-4, n * 1e-4, n * 1e-4};
   report.dots_used = static_cast<std::uint16_t>(sequence);
   return report;
 }

@@ -74,9 +74,9 @@ TEST_F(ModbusRequest, AWindowShowsTheSameRegistersAsTheWholeMap) {
 }
 
 TEST_F(ModbusRequest, AddressesBeyondTheMapAreException02) {
-  EXPECT_EQ(ask(read_pdu(125, 1)), exception(3, ModbusException::kIllegalAddress));
-  EXPECT_EQ(ask(read_pdu(124, 2)), exception(3, ModbusException::kIllegalAddress));
-  EXPECT_EQ(ask(read_pdu(1, 125, 4)), exception(4, ModbusException::kIllegalAddress));
+  EXPECT_EQ(ask(read_pdu(146, 1)), exception(3, ModbusException::kIllegalAddress));
+  EXPECT_EQ(ask(read_pdu(145, 2)), exception(3, ModbusException::kIllegalAddress));
+  EXPECT_EQ(ask(read_pdu(22, 125, 4)), exception(4, ModbusException::kIllegalAddress));
   EXPECT_EQ(ask(read_pdu(65535, 125)), exception(3, ModbusException::kIllegalAddress)) << "the end must not wrap";
 }
 
@@ -138,7 +138,7 @@ TEST_F(ModbusRequest, HoldFreezesTheDataBlockButNeitherItsAgeNorOtherClients) {
   (void)write_one(reg::kHold, 1);
   WireReport next = test::known_report(now_);
   next.pose_sequence = 4711;
-  next.camera_in_world.position_mm[0] = 9000;
+  next.pose.position_mm[0] = 9000;
   reports_.publish(next);
   now_ += std::chrono::milliseconds(100);
   const std::vector<std::uint16_t> held = registers_of(ask(read_pdu(0, 125)));

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "proto/register_codec.h"
 
@@ -29,7 +30,8 @@ TEST(WireReport, HasTheReportsNumbersInMillimetresAndDegrees) {
   report.camera_in_world = {{1.25, -2.5, 4}, {1, 0, 0, 0}};
   report.covariance[0] = 1e-6, report.covariance[7] = 4e-6, report.covariance[14] = 9e-6;
   report.covariance[21] = 1e-6, report.covariance[28] = 4e-6, report.covariance[35] = 4e-6;
-  report.sigma_world = {0.001, 0.002, 0.003, 0.1, 0.2, 0.3};
+  for (const auto& [axis, sigma] : {std::pair(0U, 0.001), {1U, 0.002}, {2U, 0.003}, {3U, 0.1}, {4U, 0.2}, {5U, 0.3}})
+    report.covariance_world[7 * axis] = sigma * sigma;
   report.tilt_phi_rad = std::numbers::pi / 4;
   report.distance_m = 1.5;
   report.head = {true, std::numbers::pi / 8, -std::numbers::pi / 8, true, false, true, 5, OrderProgress::kRunning};
@@ -41,11 +43,11 @@ TEST(WireReport, HasTheReportsNumbersInMillimetresAndDegrees) {
   EXPECT_TRUE(wire.ellipse_solver);
   EXPECT_EQ(wire.camera_in_landmark.position_mm, (std::array<double, 3>{500, 1500, -250}));
   EXPECT_EQ(wire.camera_in_landmark.quaternion_wxyz, (std::array<double, 4>{0.5, -0.5, 0.5, -0.5}));
-  EXPECT_EQ(wire.camera_in_world.position_mm, (std::array<double, 3>{1250, -2500, 4000}));
+  EXPECT_EQ(wire.pose.position_mm, (std::array<double, 3>{1250, -2500, 4000}));
   EXPECT_DOUBLE_EQ(wire.sigma_landmark_mm[2], 3);
   EXPECT_DOUBLE_EQ(wire.sigma_rotation_deg, 0.003 * 180 / std::numbers::pi);
-  EXPECT_DOUBLE_EQ(wire.sigma_world_mm[1], 2);
-  EXPECT_DOUBLE_EQ(wire.sigma_world_deg[0], 18 / std::numbers::pi);
+  EXPECT_DOUBLE_EQ(wire.sigma_mm[1], 2);
+  EXPECT_DOUBLE_EQ(wire.sigma_deg[0], 18 / std::numbers::pi);
   EXPECT_DOUBLE_EQ(wire.tilt_phi_deg, 45);
   EXPECT_DOUBLE_EQ(wire.distance_mm, 1500);
   EXPECT_TRUE(wire.has_head && wire.servo_limit && wire.inhibited && !wire.servo_fault);
@@ -55,9 +57,9 @@ TEST(WireReport, HasTheReportsNumbersInMillimetresAndDegrees) {
 
 TEST(WireReport, KnowsNothingOfAPoseBeforeTheFirst) {
   const WireReport wire = wire_report(Report{});
-  for (const double mm : wire.camera_in_world.position_mm) EXPECT_TRUE(std::isnan(mm));
-  for (const double q : wire.camera_in_world.quaternion_wxyz) EXPECT_TRUE(std::isnan(q));
-  for (const double sigma : wire.sigma_world_mm) EXPECT_TRUE(std::isnan(sigma));
+  for (const double mm : wire.pose.position_mm) EXPECT_TRUE(std::isnan(mm));
+  for (const double q : wire.pose.quaternion_wxyz) EXPECT_TRUE(std::isnan(q));
+  for (const double sigma : wire.sigma_mm) EXPECT_TRUE(std::isnan(sigma));
   EXPECT_TRUE(std::isnan(wire.latency_ms));
   EXPECT_EQ(wire.landmark_id, kNoLandmarkYet);
 }

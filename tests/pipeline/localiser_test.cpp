@@ -68,7 +68,7 @@ TEST_P(LocaliserWithEachSolver, FillsEveryFieldOfTheReportOfAFrameThatShowsTheLa
   EXPECT_GT(report.rms_px, 0);
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_GT(report.covariance[7 * i], 0);
-    EXPECT_GT(report.sigma_world[i], 0);
+    EXPECT_GT(report.covariance_world[7 * i], 0);
   }
 }
 
@@ -246,18 +246,17 @@ TEST_P(LocaliserWithEachSolver, PlacesTheCameraInTheWorldByTheMap) {
 INSTANTIATE_TEST_SUITE_P(Localiser, LocaliserWithEachSolver, testing::Values(Solver::kFull, Solver::kEllipse),
                          [](const auto& tested) { return tested.param == Solver::kFull ? "full" : "ellipse"; });
 
-TEST(WorldSigmas, TurnWithTheMap) {
+TEST(CovarianceInWorld, OfThePositionTurnsWithTheMapAndOfTheRotationStaysTheCameras) {
   PoseEstimate pose = plausible_pose();
   pose.covariance.diagonal() << 1e-6, 4e-6, 9e-6, 1e-8, 4e-8, 9e-8;
-  const auto at_home = world_sigmas(pose, {});
-  const auto turned = world_sigmas(pose, place_upright(Eigen::Vector3d::Zero(), std::numbers::pi / 2));
-  EXPECT_NEAR(at_home[0], 1e-3, 1e-12);
-  EXPECT_NEAR(at_home[1], 2e-3, 1e-12);
-  EXPECT_NEAR(at_home[5], 3e-4, 1e-12);
-  EXPECT_NEAR(turned[0], 2e-3, 1e-12);
-  EXPECT_NEAR(turned[1], 1e-3, 1e-12);
-  EXPECT_NEAR(turned[2], 3e-3, 1e-12);
-  EXPECT_NEAR(turned[3], 2e-4, 1e-12);
+  const PoseInformation at_home = covariance_in_world(pose, {});
+  const auto turned = covariance_in_world(pose, place_upright(Eigen::Vector3d::Zero(), std::numbers::pi / 2));
+  EXPECT_TRUE(at_home.isApprox(pose.covariance, 1e-12));
+  EXPECT_NEAR(turned(0, 0), 4e-6, 1e-15);
+  EXPECT_NEAR(turned(1, 1), 1e-6, 1e-15);
+  EXPECT_NEAR(turned(2, 2), 9e-6, 1e-15);
+  EXPECT_NEAR(turned(3, 3), 1e-8, 1e-17);
+  EXPECT_NEAR(turned(5, 5), 9e-8, 1e-17);
 }
 
 TEST(PoseQuality, IsTheDocumentedFormula) {

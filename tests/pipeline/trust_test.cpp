@@ -102,7 +102,7 @@ TEST_P(Trust, ARollBetweenTwoNumberingsIsAmbiguousAndTheRivalIsTheOtherOne) {
   EXPECT_GT(look.report.ambiguity, 0.05);
   EXPECT_GT(look.report.rival.odds, 0.05);
   EXPECT_FALSE(look.report.has_pose) << "nothing that could be taken for a last valid pose";
-  const Report shown = with_pose_of(look.report, look.frame, look.fix.main());
+  const Report shown = with_pose_of(look.report, look.frame, look.fix.main(), {});
   const double best_m = std::min(distance_m(shown.camera_in_landmark, scene.camera),
                                  distance_m(look.report.rival.camera_in_landmark, scene.camera));
   EXPECT_LT(best_m, 0.02) << "one of the two is right";

@@ -24,8 +24,10 @@ TEST(StatusTable, SaysPoseUncertaintyHeadAndHealthInTheRegistersUnits) {
             "                     x           y           z\n"
             "position      1234.568   -2500.000    3276.700 mm\n"
             "  1-sigma         0.12        0.34        2.10 mm\n"
-            "rotation        17.189     -22.918      68.755 deg (rotation vector, camera to world)\n"
+            "rotation        17.189     -22.918      68.755 deg (rotation vector, body to world)\n"
             "  1-sigma        0.029       0.057       0.115 deg\n"
+            "angles         123.457     -45.250    -180.000 deg (KUKA A, B, C)\n"
+            "  1-sigma        0.123       0.046           ? deg\n"
             "landmark   9 of 9 dots, residual 0.046 px, ambiguity 0.12, full solver\n"
             "or else    x -321.5 y 4000.2 z 17.0 mm, by another reading: odds 0.120\n"
             "in view    3 landmarks of the map, 1 NOT WHERE THE MAP SAYS (number 12)\n"
@@ -39,6 +41,22 @@ TEST(StatusTable, SaysPoseUncertaintyHeadAndHealthInTheRegistersUnits) {
             "servos     head LOST 16 times, pulses off by 7 us (p99), max 21\n"
             "search     17 runs cut, 18 blobs cut, 19 hypotheses cut, 20 neighbours cut,\n"
             "           21 frames searched in part\n");
+}
+
+TEST(StatusTable, SaysWhosePoseItIsAndNamesTheAnglesThatAreAskedFor) {
+  const auto table_of = [](const PoseOutput& output) {
+    WireReport report = test::known_report(kNow);
+    report.output = output;
+    const RegisterBlock registers = registers_of(report);
+    return status_table(make_reader(registers));
+  };
+  using enum PoseContent;
+  using enum EulerConvention;
+  EXPECT_EQ(table_of({}).find("angles"), std::string::npos) << table_of({});
+  EXPECT_NE(table_of({}).find("camera to world"), std::string::npos);
+  EXPECT_NE(table_of({kCameraInWorld, kFanuc}).find("(FANUC W, P, R)"), std::string::npos);
+  EXPECT_NE(table_of({kCameraInLandmark, kZyx}).find("camera to landmark"), std::string::npos);
+  EXPECT_NE(table_of({kBodyInWorld, kZyx}).find("deg (yaw, pitch, roll)"), std::string::npos);
 }
 
 TEST(StatusTable, ShowsNothingThatIsNotKnownAsANumber) {
@@ -58,6 +76,7 @@ TEST(StatusTable, LeavesTheHeadOutWhereThereIsNoneAndFitsIntoAHundredColumns) {
   WireReport report = test::known_report(kNow);
   report.has_head = false;
   report.rival_odds = 0;
+  report.output = {};
   report.landmarks_seen = 1, report.landmarks_rejected = 0;
   const RegisterBlock registers = registers_of(report, MetricValues{});
   const std::string table = status_table(make_reader(registers));

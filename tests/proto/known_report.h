@@ -23,17 +23,20 @@ inline WireReport known_report(MonoTime now) {
   report.reason = Reason::kNone;
   report.landmark_id = 7;
   report.quality = 913;
-  report.camera_in_world.position_mm = {1234.5678, -2500, 3276.7};
+  report.pose.position_mm = {1234.5678, -2500, 3276.7};
   // The rotation vector (0.3, -0.4, 1.2) rad, of angle 1.3.
   const double s = std::sin(0.65) / 1.3;
-  report.camera_in_world.quaternion_wxyz = {std::cos(0.65), 0.3 * s, -0.4 * s, 1.2 * s};
-  report.sigma_world_mm = {0.12, 0.34, 2.1};
+  report.pose.quaternion_wxyz = {std::cos(0.65), 0.3 * s, -0.4 * s, 1.2 * s};
+  report.sigma_mm = {0.12, 0.34, 2.1};
   constexpr double kDegPerRad = 180 / std::numbers::pi;
-  report.sigma_world_deg = {0.0005 * kDegPerRad, 0.001 * kDegPerRad, 0.002 * kDegPerRad};
+  report.sigma_deg = {0.0005 * kDegPerRad, 0.001 * kDegPerRad, 0.002 * kDegPerRad};
   report.ambiguity = 0.123;
   report.rival_odds = 0.12;
   report.landmarks_seen = 3, report.landmarks_rejected = 1, report.last_rejected_id = 12;
-  report.rival_in_world = {{-321.5, 4000.25, 17}, {std::cos(0.65), -0.3 * s, 0.4 * s, 1.2 * s}};
+  report.rival = {{-321.5, 4000.25, 17}, {std::cos(0.65), -0.3 * s, 0.4 * s, 1.2 * s}};
+  report.output = {PoseContent::kBodyInWorld, EulerConvention::kKuka};
+  report.angles_deg = {123.4567, -45.25, -179.9996};
+  report.sigma_angles_deg = {0.123, 0.0456, 80};
   report.rms_px = 0.0456;
   report.dots_used = 9;
   report.has_head = report.servo_limit = report.inhibited = true;

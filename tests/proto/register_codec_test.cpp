@@ -17,7 +17,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Written by a script of its own (struct.pack in Python), not by the codec under test.
-constexpr std::array<std::uint16_t, 125> kPinned = {
+constexpr std::array<std::uint16_t, kRegisterCount> kPinned = {
     /*   0 */ 0x9D09, 0x0001, 0x1171, 0x01D0, 0x2EB3, 0x0000, 0x0007, 0x0391, 0x007B, 0x0058,
     /*  10 */ 0x09A5, 0xEC78, 0x1999, 0x012C, 0xFE70, 0x04B0, 0x0012, 0xD688, 0xFFD9, 0xDA60,
     /*  20 */ 0x0031, 0xFF9C, 0x0000, 0x4325, 0xFFFF, 0xA67A, 0x0001, 0x0C93, 0x000C, 0x0022,
@@ -30,7 +30,9 @@ constexpr std::array<std::uint16_t, 125> kPinned = {
     /*  90 */ 0x0000, 0x000B, 0x0000, 0x000C, 0x0000, 0x000D, 0x0000, 0x000E, 0x000F, 0x0010,
     /* 100 */ 0x0002, 0x0011, 0x0010, 0x0001, 0x0001, 0x1194, 0xFC18, 0x01F4, 0x0000, 0x0011,
     /* 110 */ 0x0000, 0x0012, 0x0000, 0x0013, 0x0000, 0x0014, 0x0000, 0x0015, 0xFED4, 0x0190,
-    /* 120 */ 0x04B0, 0x0078, 0x0003, 0x0001, 0x000C,
+    /* 120 */ 0x04B0, 0x0078, 0x0003, 0x0001, 0x000C, 0x0002, 0x0002, 0x0001, 0xE241, 0xFFFF,
+    /* 130 */ 0x4F3E, 0xFFFD, 0x40E0, 0x007B, 0x002E, 0xFFFF, 0x303A, 0xEE53, 0xB9B0, 0x42F6,
+    /* 140 */ 0xE9D5, 0xC235, 0x0000, 0xC333, 0xFFE6, 0x01D0,
 };
 
 RegisterBlock encode_known(const RegisterCodecOptions& options = {}) {
@@ -180,7 +182,7 @@ TEST(RegisterCodec, ReaderGivesBackTheReportsNumbers) {
 TEST(RegisterCodec, WhereThereIsNoOtherReadingItsPoseIsUnknownAndItsOddsAreZero) {
   WireReport report = test::known_report(kNow);
   report.rival_odds = 0;
-  report.rival_in_world = {};
+  report.rival = {};
   const RegisterBlock block = encode_registers(report, {}, test::known_server_state(kNow), {});
   for (std::uint16_t i = 0; i < 6; ++i) EXPECT_EQ(block[reg::kRivalX32 + i], i % 2 == 0 ? 0x8000 : 0) << i;
   for (std::uint16_t i = 0; i < 3; ++i) EXPECT_EQ(block[reg::kRivalRotationX16 + i], 0x8000) << i;
@@ -270,7 +272,7 @@ TEST(RegisterCodec, BeforeTheFirstPoseNothingLooksFresh) {
 
 TEST(RegisterCodec, ASmallSigmaNeverReadsAsCertainty) {
   WireReport report = test::known_report(kNow);
-  report.sigma_world_mm = report.sigma_world_deg = {1e-9, 1e-9, 1e-9};
+  report.sigma_mm = report.sigma_deg = {1e-9, 1e-9, 1e-9};
   const RegisterBlock block = encode_registers(report, {}, test::known_server_state(kNow), {});
   for (std::uint16_t i = 0; i < 6; ++i) EXPECT_EQ(block[reg::kSigmaX + i], 1);
 }
@@ -284,7 +286,7 @@ TEST(RegisterCodec, TheRotationVectorHasTheQuaternionsAxisAndAngle) {
     const double x = normal(random), y = normal(random), z = normal(random), norm = std::sqrt(x * x + y * y + z * z);
     const double angle_rad = i == 0 ? 0 : i == 1 ? std::numbers::pi : angles_rad(random);
     const double s = std::sin(angle_rad / 2) / norm;
-    report.camera_in_world.quaternion_wxyz = {std::cos(angle_rad / 2), x * s, y * s, z * s};
+    report.pose.quaternion_wxyz = {std::cos(angle_rad / 2), x * s, y * s, z * s};
     const RegisterBlock block = encode_registers(report, {}, test::known_server_state(kNow), {});
     const RegisterReader reader(block);
     const double angle_deg = angle_rad * 180 / std::numbers::pi;
