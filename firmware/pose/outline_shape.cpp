@@ -28,9 +28,13 @@ constexpr int kEnoughPixels = 60, kMostThinned = 4;
 // of a ring's dot from where it belongs; what hides a dot has the grey of paper in some of them by chance.
 constexpr int kDirections = 16, kLeastBare = 4, kLeastInked = 2;
 constexpr double kInside = 0.7;
-constexpr std::array<double, 5> kBeside{1.6, 2.0, 2.4, 2.8, 3.2};  // the next dot begins at 3.8
-constexpr double kThere = 0.75;                                    // of its outline: a dot that is where it belongs
-constexpr double kPaper = 0.15, kInk = 0.5;                        // how much darker than paper, of the contrast
+constexpr std::array<double, 6> kBeside{1.3, 1.6, 2.0, 2.4, 2.8, 3.2};  // the next dot begins at 3.8
+constexpr double kThere = 0.75;              // of its outline: a dot that is where it belongs
+constexpr double kPaper = 0.15, kInk = 0.5;  // how much darker than paper, of the contrast
+
+constexpr double kNoEdge = 3;  // sigmas of the blur from an outline: beyond, ink is ink
+// Of its outline: an edge across a dot's middle leaves half.
+constexpr double kMostly = 0.7;
 
 // The unknowns in place of the pose's and the offset's (outline_columns.h).
 enum Part : Eigen::Index {
@@ -77,7 +81,7 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
   }
 
   Amounts size_px, size_sigma_px, second_px, fourth_px;  // as many as dots: no push can fail
-  double centre_px = 0;
+  double centre_px = 0, centre_size_px = 0, centre_sigma_px = 0;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     UnknownMatrix& N = normal[dot];
     if (!(N(kAllAround, kAllAround) > 0)) continue;
@@ -90,7 +94,10 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
     const auto amplitude_px = [&](Part cosine, Part sine) {
       return root_beyond(square(part_px(cosine)) + square(part_px(sine)), kNoiseVariances * square(sigma_px));
     };
-    if (dot == kCentreDot) centre_px = amplitude_px(kCos1, kSin1);
+    if (dot == kCentreDot) {
+      centre_px = amplitude_px(kCos1, kSin1);
+      centre_size_px = part_px(kAllAround), centre_sigma_px = sigma_px;
+    }
     (void)size_px.try_push_back(part_px(kAllAround));
     (void)size_sigma_px.try_push_back(sigma_px);
     (void)second_px.try_push_back(amplitude_px(kCos2, kSin2));
@@ -100,18 +107,20 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
 
   Amounts sorted = size_px;
   const double usual_px = middle_of(sorted);
+  if (centre_sigma_px > 0)
+    centre_size_px = root_beyond(square(centre_size_px - usual_px), square(kSizeSigmas * centre_sigma_px));
   for (std::size_t i = 0; i < size_px.size(); ++i)
     size_px[i] = root_beyond(square(size_px[i] - usual_px), square(kSizeSigmas * size_sigma_px[i]));
   return {middle_of(size_px) / dot_radius_px, middle_of(second_px) / dot_radius_px,
-          middle_of(fourth_px) / dot_radius_px, centre_px / dot_radius_px, 0};
+          middle_of(fourth_px) / dot_radius_px, centre_px / dot_radius_px, centre_size_px / dot_radius_px};
 }
 
-int count_absent(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
-                 const CameraFromLandmark& T_camera_landmark, const std::array<double, kDotCount>& visible_share,
-                 const OutlineFit& fit) noexcept {
-  const auto is_missing = [&](std::size_t dot) { return visible_share[dot % kRingDotCount] < kThere; };
-  /// How much darker than paper, in contrasts; none: it is not in the picture.
-  const auto darkness_at = [&](const Eigen::Vector2d& plane_m) -> std::optional<double> {
+namespace {
+
+/// Grey levels about a pose, by the light of its outlines.
+struct SheetLight {
+  /// How much darker than paper a point of the sheet is, in contrasts; none: it is not in the picture.
+  std::optional<double> darkness_at(const Eigen::Vector2d& plane_m) const noexcept {
     const Eigen::Vector3d p = T_camera_landmark * Eigen::Vector3d(plane_m.x(), 0, plane_m.y());
     if (!(p.z() > 0)) return std::nullopt;
     const Eigen::Vector2d px = camera.pixel_from_normalised(p.hnormalized());
@@ -119,7 +128,37 @@ int count_absent(const ImageView& luma, const CameraModel& camera, const Landmar
       return std::nullopt;
     const int grey_lsb = luma.at(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
     return (fit.paper_lsb - grey_lsb) / fit.contrast_lsb;
-  };
+  }
+
+  const ImageView& luma;
+  const CameraModel& camera;
+  const CameraFromLandmark& T_camera_landmark;
+  const OutlineFit& fit;
+};
+
+}  // namespace
+
+int count_hollow(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
+                 const CameraFromLandmark& T_camera_landmark, const std::array<double, kDotCount>& visible_share,
+                 const OutlineFit& fit, double blur_px) noexcept {
+  const SheetLight light{luma, camera, T_camera_landmark, fit};
+  int hollow = 0;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    // The short way across an inclined dot.
+    const double cosine = std::abs(T_camera_landmark.rotation.col(1).dot(T_camera_landmark.translation_m.normalized()));
+    const double half_px = cosine * camera.fx_px * landmark.radius_m(dot) / T_camera_landmark.translation_m.norm();
+    if (visible_share[dot] < kMostly || half_px < kNoEdge * blur_px) continue;
+    const auto middle = light.darkness_at(landmark.centre_m(dot));
+    hollow += middle && *middle < kInk;
+  }
+  return hollow;
+}
+
+int count_absent(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
+                 const CameraFromLandmark& T_camera_landmark, const std::array<double, kDotCount>& visible_share,
+                 const OutlineFit& fit) noexcept {
+  const auto is_missing = [&](std::size_t dot) { return visible_share[dot % kRingDotCount] < kThere; };
+  const SheetLight light{luma, camera, T_camera_landmark, fit};
   int absent = 0;
   for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
     const bool before = is_missing(dot + 7), after = is_missing(dot + 1);
@@ -132,9 +171,9 @@ int count_absent(const ImageView& luma, const CameraModel& camera, const Landmar
         return landmark.centre_m(dot) +
                radii * landmark.dot_radius_m * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad));
       };
-      const auto inside = darkness_at(at(kInside));
+      const auto inside = light.darkness_at(at(kInside));
       bare += inside && std::abs(*inside) < kPaper;
-      for (const double radii : kBeside) inked += darkness_at(at(radii)) > kInk;
+      for (const double radii : kBeside) inked += light.darkness_at(at(radii)) > kInk;
     }
     if (bare >= kLeastBare && inked >= kLeastInked) ++absent;
   }

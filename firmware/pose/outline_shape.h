@@ -11,7 +11,7 @@ namespace ninedot {
 /// \param visible_share  of each dot's outline, 0..1: the others have no shape
 /// \param noise_variance_lsb2  of one pixel [LSB^2]
 /// \param dot_radius_px  of the ring's dots [px]
-/// \return  `absent` is left 0
+/// \return  `absent` and `hollow` are left 0
 /// Memory: none. Threads: pure.
 OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const OutlineState& state,
                                const std::array<double, kDotCount>& visible_share, double noise_variance_lsb2,
@@ -23,5 +23,11 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
 int count_absent(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
                  const CameraFromLandmark& T_camera_landmark, const std::array<double, kDotCount>& visible_share,
                  const OutlineFit& fit) noexcept;
+
+/// Dots in sight whose middle is paper: washers, holes with a rim. Only those that blur leaves a middle.
+/// \param blur_px  sigma of the point spread [px] Memory: none. Threads: pure.
+int count_hollow(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
+                 const CameraFromLandmark& T_camera_landmark, const std::array<double, kDotCount>& visible_share,
+                 const OutlineFit& fit, double blur_px) noexcept;
 
 }  // namespace ninedot

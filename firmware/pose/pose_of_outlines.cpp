@@ -45,8 +45,12 @@ constexpr double kMostOffset = 0.6, kMostInwards = 1.2, kMostOffset_px = 0.1;
 // had 0.04 at most (size), 0.04 (second), 0.026 (fourth) and 0.1 (P9 aside, warped sheets). A square has 0.11 (fourth),
 // an ellipse of 0.6 to 1 has 0.26 (second), dots of growing size 0.1.
 constexpr double kMostSize = 0.05, kMostSecond = 0.12, kMostFourth = 0.04, kMostAside = 0.2;
-// Motion that blurs half of a dot leaves up to 0.28 (second).
-constexpr double kSharp_px2 = 0.9, kPerBlur = 2;
+// P9's size against the ring's dots': 0.024 at most where nothing moved; of a middle that is larger by half 0.3.
+constexpr double kMostCentreSize = 0.1;
+// Motion by 2 to 10 px leaves up to 0.29 (second) and 0.31 (P9's size) of dots of 3 to 4 px (120 rendered pictures):
+// less than so much beside the limits above, in shares of the blur's second harmonic and of its excess over a sharp
+// one.
+constexpr double kPerAlong = 3, kSharp_px2 = 0.9, kPerBlur = 2;
 // Of P9's outline. A straight edge that leaves five ring dots leaves two thirds of P9's outline, one that leaves four a
 // quarter: half of that, for the dots beside the edge count as whole when they are not quite.
 constexpr double kCentreBesideFive = 0.33, kCentreBesideFour = 0.12;
@@ -56,12 +60,16 @@ constexpr double kCentreOfWholeRing = 0.75;  // of P9's outline, where nothing h
 /// Discs of the landmark's sizes, and none printed elsewhere.
 bool are_discs(const PoseCandidate& candidate, double size_allowance) noexcept {
   const OutlineShape& shape = candidate.shape;
-  const double smeared = std::max(candidate.outlines.blur_px2 - kSharp_px2, 0.0) / std::pow(candidate.dot_radius_px, 2);
+  const double r2_px2 = std::pow(candidate.dot_radius_px, 2);
+  // Motion makes all dots longer in one direction; ellipses that lie in several look blurred alike.
+  const double along = std::hypot(candidate.outlines.blur_cos_px2, candidate.outlines.blur_sin_px2) / r2_px2;
+  const double smeared = std::max(candidate.outlines.blur_px2 - kSharp_px2, 0.0) / r2_px2;
   const auto& visible = candidate.visible_share;
   const bool ring_is_whole =
       std::all_of(visible.begin(), visible.begin() + kRingDotCount, [](double share) { return share >= kWholeDot; });
-  return shape.size <= kMostSize + size_allowance && shape.second <= kMostSecond + kPerBlur * smeared &&
-         shape.fourth <= kMostFourth && shape.absent == 0 && !(ring_is_whole && shape.centre > kMostAside);
+  return shape.size <= kMostSize + size_allowance && shape.second <= kMostSecond + kPerAlong * along &&
+         shape.fourth <= kMostFourth && shape.absent == 0 && shape.hollow == 0 &&
+         !(ring_is_whole && (shape.centre > kMostAside || shape.centre_size > kMostCentreSize + kPerBlur * smeared));
 }
 
 /// What hides a landmark comes from outside: it hides P9 after dots of the ring, and neighbours together.

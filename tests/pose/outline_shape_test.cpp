@@ -55,7 +55,9 @@ TEST(OutlineShape, OfTheLandmarkItselfIsThatOfDiscsFromEverySide) {
         EXPECT_LT(shape.second, 0.02);
         EXPECT_LT(shape.fourth, 0.02);
         EXPECT_LT(shape.centre, 0.1);
+        EXPECT_LT(shape.centre_size, 0.03);
         EXPECT_EQ(shape.absent, 0);
+        EXPECT_EQ(shape.hollow, 0);
       }
 }
 
@@ -109,6 +111,34 @@ TEST(OutlineShape, TellsAMiddleThatIsAside) {
   EXPECT_FALSE(looked->fits);
 }
 
+/// Where dots are small, likewise.
+TEST(OutlineShape, TellsAMiddleThatIsTooLarge) {
+  test::Sheet sheet = test::nine_dot_sheet();
+  sheet.discs[8].radius_m += 0.25 * kDot_m;
+  const auto looked = look_at(sheet, {.distance_m = 5, .tilt_rad = 0.4, .azimuth_rad = 0.7});
+  ASSERT_TRUE(looked) << "or this picture tests nothing";
+  EXPECT_NEAR(looked->candidate.shape.centre_size, 0.2, 0.06);
+  EXPECT_FALSE(looked->fits);
+}
+
+TEST(OutlineShape, IsAllowedToBeWhatMotionInOneDirectionMakesOfIt) {
+  const test::Picture picture = test::render(test::scene_of(test::nine_dot_sheet(), kUsual), 1);
+  PoseCandidate candidate = *test::first_fit(picture.view());
+  candidate.dot_radius_px = 4, candidate.shape.second = 0.2;
+  candidate.outlines.blur_px2 = 2.5, candidate.outlines.blur_cos_px2 = candidate.outlines.blur_sin_px2 = 0;
+  EXPECT_FALSE(fits_picture(candidate, PictureNoise(picture.view()))) << "ellipses in several directions";
+  candidate.outlines.blur_cos_px2 = 0.8;
+  EXPECT_TRUE(fits_picture(candidate, PictureNoise(picture.view())));
+  candidate.shape.centre_size = 0.2;
+  EXPECT_TRUE(fits_picture(candidate, PictureNoise(picture.view()))) << "smeared";
+  candidate.outlines.blur_px2 = 1;
+  EXPECT_FALSE(fits_picture(candidate, PictureNoise(picture.view()))) << "sharp";
+  candidate.shape = {};
+  EXPECT_TRUE(fits_picture(candidate, PictureNoise(picture.view())));
+  candidate.shape.hollow = 1;
+  EXPECT_FALSE(fits_picture(candidate, PictureNoise(picture.view())));
+}
+
 /// Further out or along the ring the detector has refused it; by less than 0.9 radii it is seldom told.
 TEST(OutlineShape, TellsADotThatIsPrintedElsewhere) {
   for (const double distance_m : {1.2, 3.0})
@@ -120,6 +150,24 @@ TEST(OutlineShape, TellsADotThatIsPrintedElsewhere) {
         EXPECT_EQ(looked->candidate.shape.absent, 1) << distance_m << " m, dot " << dot << ", " << radii;
         EXPECT_FALSE(looked->fits) << distance_m << " m, dot " << dot << ", " << radii;
       }
+}
+
+int hollow_of(const test::Sheet& sheet, double visible_share, double blur_px) {
+  const auto whole = look_at(test::nine_dot_sheet(), kUsual);
+  const test::Picture picture = test::render(test::scene_of(sheet, kUsual), 1);
+  std::array<double, kDotCount> visible;
+  visible.fill(visible_share);
+  return count_hollow(picture.view(), CameraModel{}, LandmarkGeometry{}, whole->candidate.outlines.T_camera_landmark,
+                      visible, whole->candidate.fit, blur_px);
+}
+
+TEST(CountHollow, AsksForInkInTheMiddleOfDotsThatAreSeen) {
+  test::Sheet washer = test::nine_dot_sheet();
+  washer.discs.push_back({0, 0, 0.6 * washer.discs[8].radius_m, washer.reflectance});
+  EXPECT_EQ(hollow_of(washer, 1, 0.8), 1);
+  EXPECT_EQ(hollow_of(washer, 0.5, 0.8), 0) << "hidden by half";
+  EXPECT_EQ(hollow_of(washer, 1, 6), 0) << "blurred";
+  EXPECT_EQ(hollow_of(test::nine_dot_sheet(), 1, 0.8), 0);
 }
 
 /// By `count_absent` alone: the dots of a row are taken as missing whatever is there.
@@ -140,6 +188,7 @@ int absent_of(const test::Sheet& sheet, std::initializer_list<std::size_t> missi
 TEST(CountAbsent, AsksForPaperInTheDotsPlaceAndInkBesideIt) {
   const test::Sheet moved = with_moved_dot(2, 0, 2);
   EXPECT_EQ(absent_of(moved, {2}), 1);
+  EXPECT_EQ(absent_of(with_moved_dot(2, 0.6, 0), {2}), 1) << "in half of its place";
   EXPECT_EQ(absent_of(test::nine_dot_sheet(), {2}), 0) << "it is where it belongs";
   test::Sheet hidden = test::nine_dot_sheet();
   hidden.discs.push_back({hidden.discs[2].x_m, hidden.discs[2].z_m, 2 * kDot_m, 0.3});
