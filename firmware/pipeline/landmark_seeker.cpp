@@ -25,6 +25,7 @@ LandmarkSeeker::LandmarkSeeker(const CameraModel& camera, const SeekerOptions& o
 void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget,
                            const std::optional<CameraTwist>& twist) noexcept {
   const auto row_time = frame.row_time.count() > 0 ? frame.row_time : options_.row_time;
+  frame_at_ = frame.exposed_at();
   row_time_s_ = std::chrono::duration<double>(row_time).count();
   twist_ = twist;
   noise_ = PictureNoise(frame.luma);
@@ -32,20 +33,17 @@ void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget,
   misfit_.reset();
 }
 
-SheetMotion LandmarkSeeker::motion_of(const Track& track, const Eigen::Vector3d& t_camera_m) const noexcept {
+/// \param track  of the landmark, before this frame \param t_camera_m  where it is, about
+RowMotion LandmarkSeeker::motion_of(const Track& track, const Eigen::Vector3d& t_camera_m) const noexcept {
   if (row_time_s_ == 0) return {};
-  SheetMotion motion = track.motion() ? *track.motion() : twist_ ? twist_->of_sheet_at(t_camera_m) : SheetMotion{};
-  motion.row_time_s = row_time_s_;
-  motion.middle_row_px = 0.5 * (camera_.height_px - 1);
+  const auto own = track.motion_at(frame_at_);
+  RowMotion motion;
+  motion.sheet = own ? *own : twist_ ? twist_->of_sheet_at(t_camera_m) : SheetMotion{};
+  motion.sheet.row_time_s = row_time_s_;
+  motion.sheet.middle_row_px = 0.5 * (camera_.height_px - 1);
+  const double rate_sigma_rad_s = own ? kFollowedRate_rad_s : twist_ ? twist_->rate_sigma_rad_s : kUnknownRate_rad_s;
+  motion.uncertainty = {rate_sigma_rad_s, row_time_s_, motion.sheet.middle_row_px};
   return motion;
-}
-
-RowUncertainty LandmarkSeeker::row_uncertainty(const Track& track) const noexcept {
-  if (row_time_s_ == 0) return {};
-  const double rate_sigma_rad_s = track.motion() ? kFollowedRate_rad_s
-                                  : twist_       ? twist_->rate_sigma_rad_s
-                                                 : kUnknownRate_rad_s;
-  return {rate_sigma_rad_s, row_time_s_, 0.5 * (camera_.height_px - 1)};
 }
 
 FitAllowance LandmarkSeeker::allowance(bool is_foretold) const noexcept {
@@ -57,13 +55,14 @@ Result<std::size_t> LandmarkSeeker::follow_outlines(const Frame& frame, Track& t
   const auto untrackable = fail(Errc::kNoLandmark, "its outlines can't be foretold well enough");
   if (options_.solver != Solver::kFull || !track.may_follow_outlines()) return untrackable;
   const CameraFromLandmark expected = track.expected_at(frame.exposed_at());
-  const SheetMotion motion = motion_of(track, expected.translation_m);
-  NINEDOT_TRY(candidates_, full_.follow(frame.luma, expected, *track.prior(), budget_.pixels, motion));
+  const RowMotion motion = motion_of(track, expected.translation_m);
+  NINEDOT_TRY(candidates_, full_.follow(frame.luma, expected, *track.prior(), budget_.pixels, motion.sheet));
   const PoseCandidate& followed = candidates_.list[0];
   if (!track.accepts(followed, frame.exposed_at()) || !fits_picture(followed, noise_, allowance(true)))
     return fail(Errc::kNoLandmark, "the landmark is not as it was");
-  track.see(observation_of(as_exposed(followed.outlines.T_camera_landmark, motion, camera_), followed.visible_share,
-                           camera_, options_.landmark));
+  row_motion_ = motion;
+  track.see(observation_of(as_exposed(followed.outlines.T_camera_landmark, motion.sheet, camera_),
+                           followed.visible_share, camera_, options_.landmark));
   return track.take(candidates_, frame.exposed_at());
 }
 
@@ -84,7 +83,7 @@ Result<std::size_t> LandmarkSeeker::solve_guess(const Frame& frame, LandmarkObse
 
 Result<std::size_t> LandmarkSeeker::look_at(const Frame& frame, const CameraFromLandmark& T_camera_landmark,
                                             Track& track) noexcept {
-  const SheetMotion motion = motion_of(track, T_camera_landmark.translation_m);
+  const SheetMotion motion = motion_of(track, T_camera_landmark.translation_m).sheet;
   std::array<double, kDotCount> all_visible;
   all_visible.fill(1);
   return solve(frame,
@@ -96,8 +95,8 @@ Result<std::size_t> LandmarkSeeker::solve(const Frame& frame, const LandmarkObse
                                           Track& track, bool is_foretold) noexcept {
   const bool full = options_.solver == Solver::kFull;
   const double scale = 0.5 * (seen.H_ray_plane.col(0).norm() + seen.H_ray_plane.col(1).norm());
-  const SheetMotion motion = motion_of(track, seen.H_ray_plane.col(2) / scale);
-  const auto answer = full ? full_.solve(frame.luma, seen, prior, budget_.pixels, motion) : ellipse_.solve(seen);
+  const RowMotion motion = motion_of(track, seen.H_ray_plane.col(2) / scale);
+  const auto answer = full ? full_.solve(frame.luma, seen, prior, budget_.pixels, motion.sheet) : ellipse_.solve(seen);
   if (!answer) {
     if (answer.error().code == Errc::kPoseDegenerate) track.see(seen);
     return tl::unexpected<Error>(answer.error());
@@ -106,11 +105,12 @@ Result<std::size_t> LandmarkSeeker::solve(const Frame& frame, const LandmarkObse
   const PoseCandidate& best = candidates_.list[0];
   // The closed form looks at centres alone: whether there are outlines of a landmark is asked of the picture apart.
   const Result<PoseCandidate> examined =
-      full ? best : full_.examine(frame.luma, best.pose.T_landmark_camera.inverse(), budget_.pixels, motion);
+      full ? best : full_.examine(frame.luma, best.pose.T_landmark_camera.inverse(), budget_.pixels, motion.sheet);
   if (!examined || !fits_picture(*examined, noise_, allowance(is_foretold))) {
     if (!misfit_ && is_publishable(best.pose)) misfit_ = candidates_;
     return fail(Errc::kNoLandmark, "the picture does not fit a landmark");
   }
+  row_motion_ = motion;
   track.see(seen);
   return track.take(candidates_, frame.exposed_at());
 }

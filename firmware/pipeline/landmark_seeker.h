@@ -26,6 +26,12 @@ struct SeekerOptions {
   std::chrono::nanoseconds row_time{};  ///< of a rolling shutter, where the frames themselves don't tell; 0: none
 };
 
+/// A sheet while the rows of a picture are exposed.
+struct RowMotion {
+  SheetMotion sheet;
+  RowUncertainty uncertainty;  ///< of it
+};
+
 /// How the camera moves, in its own axes.
 struct CameraTwist {
   Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();
@@ -46,11 +52,6 @@ class LandmarkSeeker {
   /// A new picture. \param budget  what it may cost
   /// \param twist  how the camera moves, where that is known; none: a landmark's own track tells it
   void begin(const Frame& frame, const WorkBudget& budget, const std::optional<CameraTwist>& twist = {}) noexcept;
-
-  /// How a sheet moves while the rows are exposed. \param track  its own \param t_camera_m  where it is, about
-  SheetMotion motion_of(const Track& track, const Eigen::Vector3d& t_camera_m) const noexcept;
-  /// How well that is known.
-  RowUncertainty row_uncertainty(const Track& track) const noexcept;
 
   // What a way to the pose has found, chosen and judged to fit the picture, goes into the track and `candidates`.
   // Errors are those of the detector and of the solvers.
@@ -74,6 +75,8 @@ class LandmarkSeeker {
 
   /// Of the last way that led to a pose.
   const PoseCandidates& candidates() const noexcept { return candidates_; }
+  /// Likewise: how its sheet moved across the rows, as the fit took it. Its track knows better afterwards.
+  const RowMotion& row_motion() const noexcept { return row_motion_; }
   /// The first since `begin` that looked like a landmark and does not fit the picture.
   const std::optional<PoseCandidates>& misfit() const noexcept { return misfit_; }
 
@@ -84,6 +87,7 @@ class LandmarkSeeker {
 
  private:
   FitAllowance allowance(bool is_foretold) const noexcept;
+  RowMotion motion_of(const Track& track, const Eigen::Vector3d& t_camera_m) const noexcept;
 
   SeekerOptions options_;
   CameraModel camera_;
@@ -91,11 +95,13 @@ class LandmarkSeeker {
   FullSolver full_;
   EllipseSolver ellipse_;
   // Of the frame under way.
+  MonoTime frame_at_{};
   double row_time_s_ = 0;
   std::optional<CameraTwist> twist_;
   PictureNoise noise_;
   WorkBudget budget_;
   PoseCandidates candidates_;
+  RowMotion row_motion_;
   std::optional<PoseCandidates> misfit_;
 };
 

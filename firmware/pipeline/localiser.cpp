@@ -85,7 +85,7 @@ void Localiser::follow_in_world(const Frame& frame, const LandmarkFix& fix) noex
   }
   LandmarkSighting sighting = fix.sighting;
   widen_by_scatter(sighting, options_.seeker.landmark);
-  widen(sighting, seeker_.row_uncertainty(track_), seeker_.camera());
+  widen(sighting, seeker_.row_motion().uncertainty, seeker_.camera());
   const JointMember member{&sighting, mapped.T_world_landmark, &mapped.covariance};
   InlineVector<WorldReading, PoseFilter::kMaxReadings> readings;
   const PoseCandidate& believed = fix.candidates.list[fix.chosen];
@@ -113,7 +113,7 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bo
   fix.id = landmark.id;
   fix.candidates = candidates;
   fix.chosen = chosen;
-  widen(fix.candidates.list[chosen].pose, seeker_.row_uncertainty(track_), seeker_.camera());
+  widen(fix.candidates.list[chosen].pose, seeker_.row_motion().uncertainty, seeker_.camera());
   const PoseEstimate& pose = fix.pose();
   fix.T_world_camera = landmark.T_world_landmark * pose.T_landmark_camera;
   fix.covariance_world = covariance_in_world(pose, landmark.T_world_landmark);

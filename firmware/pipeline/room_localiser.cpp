@@ -130,6 +130,7 @@ void RoomLocaliser::follow(const Frame& frame) noexcept {
       chosen = seeker_.look_at(frame, landmark.track.expected_at(frame.exposed_at()), landmark.track);
     if (!chosen) continue;
     landmark.candidates = seeker_.candidates();
+    landmark.row_motion = seeker_.row_motion();
     landmark.chosen = *chosen;
     landmark.is_fresh = false;
     if (kept != i) in_view_[kept] = landmark;
@@ -186,6 +187,7 @@ bool RoomLocaliser::begin_where_expected(const Frame& frame, const CameraFromLan
   if (!chosen) chosen = seeker_.look_at(frame, T_camera_landmark, landmark.track);
   if (!chosen) return false;
   landmark.candidates = seeker_.candidates();
+  landmark.row_motion = seeker_.row_motion();
   landmark.chosen = *chosen;
   (void)in_view_.try_push_back(landmark);
   return true;
@@ -221,6 +223,7 @@ bool RoomLocaliser::begin_to_follow(const Frame& frame, const LandmarkObservatio
   InView landmark;
   landmark.track = track;
   landmark.candidates = seeker_.candidates();
+  landmark.row_motion = seeker_.row_motion();
   landmark.chosen = *chosen;
   (void)in_view_.try_push_back(landmark);
   return true;
@@ -232,7 +235,7 @@ void RoomLocaliser::identify(const Frame& frame) noexcept {
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     InView& landmark = in_view_[i];
     const CameraFromLandmark T = landmark.candidates.list[landmark.chosen].pose.T_landmark_camera.inverse();
-    const CameraFromLandmark T_shown = as_exposed(T, seeker_.motion_of(landmark.track, T.translation_m), camera_);
+    const CameraFromLandmark T_shown = as_exposed(T, landmark.row_motion.sheet, camera_);
     // What was detected anew near there may be another sheet: its colours have to say that it is not.
     if (landmark.identity && landmark.identity->coded && !landmark.is_fresh && !landmark.is_followed) {
       ShownColours now;
@@ -280,7 +283,7 @@ WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
     SightedLandmark seen;
     seen.sighting = {0, believed.pose.T_landmark_camera.inverse(), believed.dots};
     widen_by_scatter(seen.sighting, options_.seeker.landmark);
-    widen(seen.sighting, seeker_.row_uncertainty(landmark.track), camera_);
+    widen(seen.sighting, landmark.row_motion.uncertainty, camera_);
     for (std::size_t other = 0; other < landmark.candidates.list.size(); ++other) {
       const PoseCandidate& mirror = landmark.candidates.list[other];
       const double above_chi2 = mirror.chi2_above - believed.chi2_above;
@@ -388,7 +391,7 @@ void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const
   fix.chosen = landmark.chosen;
   PoseEstimate& pose = fix.candidates.list[fix.chosen].pose;
   const bool is_used = world.is_valid() && verdict.use == SightingUse::kUsed;
-  widen(pose, seeker_.row_uncertainty(landmark.track), camera_);
+  widen(pose, landmark.row_motion.uncertainty, camera_);
   pose.ambiguity = either(is_used ? world.ambiguity : pose.ambiguity, landmark.identity->others_odds);
   fix.sighting = {mapped.id, pose.T_landmark_camera.inverse(), fix.candidates.list[fix.chosen].dots};
   fix.T_world_camera = world.is_valid() ? world.T_world_camera : mapped.T_world_landmark * pose.T_landmark_camera;

@@ -25,6 +25,7 @@ class RoomLocaliser final : public FrameProcessor {
     Track track{TrackOptions{}};
     PoseCandidates candidates;  ///< of the frame under way, with its track's odds
     std::size_t chosen = 0;     ///< index of the one that is believed [1]
+    RowMotion row_motion;       ///< that they were found with
     std::optional<Identity> identity;
     std::optional<std::size_t> expected;  ///< who should be there, by the map and the camera's track [1]
     ShownColours colours;

@@ -33,8 +33,8 @@ constexpr double kThere = 0.75;              // of its outline: a dot that is wh
 constexpr double kPaper = 0.15, kInk = 0.5;  // how much darker than paper, of the contrast
 
 constexpr double kNoEdge = 3;  // sigmas of the blur from an outline: beyond, ink is ink
-// Of its outline: an edge across a dot's middle leaves half.
-constexpr double kMostly = 0.7;
+// Of its outline: an edge across a dot's middle leaves half, and what hides the rest may be dark by chance.
+constexpr double kMostly = 0.9;
 
 // The unknowns in place of the pose's and the offset's (outline_columns.h).
 enum Part : Eigen::Index {

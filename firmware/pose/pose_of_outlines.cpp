@@ -67,9 +67,11 @@ bool are_discs(const PoseCandidate& candidate, double size_allowance) noexcept {
   const auto& visible = candidate.visible_share;
   const bool ring_is_whole =
       std::all_of(visible.begin(), visible.begin() + kRingDotCount, [](double share) { return share >= kWholeDot; });
+  // A coloured dot's outline lies elsewhere than that of P9, which is black.
+  const bool centre_is_other = size_allowance == 0 && shape.centre_size > kMostCentreSize + kPerBlur * smeared;
   return shape.size <= kMostSize + size_allowance && shape.second <= kMostSecond + kPerAlong * along &&
          shape.fourth <= kMostFourth && shape.absent == 0 && shape.hollow == 0 &&
-         !(ring_is_whole && (shape.centre > kMostAside || shape.centre_size > kMostCentreSize + kPerBlur * smeared));
+         !(ring_is_whole && (shape.centre > kMostAside || centre_is_other));
 }
 
 /// What hides a landmark comes from outside: it hides P9 after dots of the ring, and neighbours together.

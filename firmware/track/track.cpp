@@ -72,6 +72,14 @@ CameraFromLandmark Track::expected_at(MonoTime time) const noexcept {
   return T;
 }
 
+std::optional<SheetMotion> Track::motion_at(MonoTime time) const noexcept {
+  if (!motion_ || !motion_->is_own()) return std::nullopt;
+  SheetMotion motion{motion_->rotation_rad_s, motion_->translation_m_s};
+  const double since_s = std::chrono::duration<double>(time - pose_at_).count() + 0.5 * motion_->over_s;
+  motion.translation_m_s.head<2>() += since_s * prior_.T_camera_landmark.translation_m.z() * motion_->acceleration_1_s2;
+  return motion;
+}
+
 void Track::foretell(const SheetMotion& motion) noexcept {
   if (!has_pose_) return;
   if (!motion_) motion_ = Motion{.translation_m_s = motion.translation_m_s};

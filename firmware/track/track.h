@@ -38,11 +38,9 @@ class Track {
   /// its direction gaining speed as it has. \pre prior() (contract)
   CameraFromLandmark expected_at(MonoTime time) const noexcept;
 
-  /// How it moved between the last two frames; rows all at once. None: they did not both have a pose.
-  std::optional<SheetMotion> motion() const noexcept {
-    if (!motion_ || !motion_->is_own()) return std::nullopt;
-    return SheetMotion{motion_->rotation_rad_s, motion_->translation_m_s};
-  }
+  /// How it moves then, if it goes on as expected_at() says; rows all at once. None: the last two frames did not both
+  /// have a pose.
+  std::optional<SheetMotion> motion_at(MonoTime time) const noexcept;
 
   /// Who knows how the camera moves says how the sheet does: its turning, which one landmark shows poorly, and its way
   /// where the last two frames did not both have a pose. Until the next pose.

@@ -102,7 +102,7 @@ TEST(Track, GoesByTheCamerasMotionWhereItHasNoneOfItsOwn) {
   taken(track, readings({reading(sheet_at(0.30))}), MonoTime(1s));
   track.foretell(motion);
   EXPECT_NEAR(track.expected_at(MonoTime(1s + 20ms)).translation_m.x(), 0.006, 1e-12);
-  EXPECT_FALSE(track.motion()) << "not what the two last frames say";
+  EXPECT_FALSE(track.motion_at(MonoTime(1s))) << "not what the two last frames say";
   taken(track, readings({reading(sheet_at(0.31, 0.002))}), MonoTime(1s + 20ms));
   track.foretell(motion);
   const CameraFromLandmark expected = track.expected_at(MonoTime(1s + 40ms));
@@ -124,6 +124,7 @@ TEST(Track, ForetellsADirectionThatGainsSpeed) {
     taken(track, readings({reading(sheet_at(0.3, aside_m(frame)))}), MonoTime(1s + frame * 20ms));
   EXPECT_NEAR(track.expected_at(MonoTime(1s + 240ms)).translation_m.x(), aside_m(12), 0.00002);
   EXPECT_NEAR(track.expected_at(MonoTime(1s + 260ms)).translation_m.x(), aside_m(13), 0.00006) << "two frames ahead";
+  EXPECT_NEAR(track.motion_at(MonoTime(1s + 240ms))->translation_m_s.x(), 0.0004 * 2 * 12 / 0.020, 0.002);
 }
 
 TEST(Track, ChoosesByThePictureWhereThatCanTellAndByContinuityWhereItCannot) {
