@@ -152,8 +152,7 @@ Result<std::size_t> Track::take(PoseCandidates& candidates, MonoTime exposed_at)
     lose_pose(true);
     return fail(Errc::kPoseDegenerate, "the pose or its covariance is not finite");
   }
-  note_motion(candidate.pose, exposed_at);
-  const CameraFromLandmark now = candidate.pose.T_landmark_camera.inverse();
+  const CameraFromLandmark now = note_motion(candidate, exposed_at);
   if (!remembered(exposed_at) || std::abs(turn_in_plane_rad(prior_.T_camera_landmark, now)) > kOtherNumbers_rad)
     has_past_ = false;
   const NumberingCosts past = numbering_is_known_ ? kNoOtherNumbering : has_past_ ? numbering_worst_ : NumberingCosts{};
@@ -166,6 +165,7 @@ Result<std::size_t> Track::take(PoseCandidates& candidates, MonoTime exposed_at)
   pose_ = candidate.pose;
   pose_at_ = exposed_at;
   prior_ = {now, candidate.outlines, candidates.warp_px, mirror_weight_ < kSettled};
+  if (motion_ && motion_->is_own()) prior_.outlines.motion.translation_m_s = motion_->translation_m_s;
   note_numbering();
   return chosen;
 }
@@ -194,30 +194,44 @@ void Track::lose_pose(bool sighted) noexcept {
   surprise_px_ = 0;
 }
 
-/// The motion since the frame before, and how well it was foretold. \param pose  of the new frame
-void Track::note_motion(const PoseEstimate& pose, MonoTime exposed_at) noexcept {
+/// When a landmark's own rows are exposed, after the middle one. The principal point is about in the middle.
+double Track::rows_after_middle_s(const CameraFromLandmark& T, const SheetMotion& motion) const noexcept {
+  return options_.focal_px * T.translation_m.y() / T.translation_m.z() * motion.row_time_s;
+}
+
+/// The motion since the frame before, and how well it was foretold. A fit that took another motion for its rows' than
+/// they had (none, in a track's first two frames) has the landmark where it was when those were exposed.
+/// \return  where it was at the middle row
+CameraFromLandmark Track::note_motion(const PoseCandidate& fitted, MonoTime exposed_at) noexcept {
+  CameraFromLandmark now = fitted.pose.T_landmark_camera.inverse();
   const double since_s = std::chrono::duration<double>(exposed_at - pose_at_).count();
   if (!has_pose_ || !(since_s > 0)) {
     motion_.reset();
     surprise_px_ = has_jumped_ ? std::numeric_limits<double>::infinity() : 0;
     has_jumped_ = false;
-    return;
+    return now;
   }
   const CameraFromLandmark& before = prior_.T_camera_landmark;
-  const CameraFromLandmark now = pose.T_landmark_camera.inverse();
   const auto direction = [](const Eigen::Vector3d& p_camera_m) -> Eigen::Vector2d { return p_camera_m.hnormalized(); };
   const Eigen::Vector2d surprise = direction(now.translation_m) - direction(expected_at(exposed_at).translation_m);
   surprise_px_ = options_.focal_px * surprise.norm();
   if (std::abs(turn_in_plane_rad(before, now)) > kOtherNumbers_rad) {
     motion_.reset();  // as if it turned by so much in every frame
-    return;
+    return now;
   }
+  // v t = (now - rows (v - v taken)) - (before - its rows (v - v taken before))
+  const SheetMotion &taken = fitted.outlines.motion, &taken_before = prior_.outlines.motion;
+  const double rows_s = rows_after_middle_s(now, taken), rows_before_s = rows_after_middle_s(before, taken_before);
+  const Eigen::Vector3d way_m = now.translation_m + rows_s * taken.translation_m_s - before.translation_m -
+                                rows_before_s * taken_before.translation_m_s;
   Motion motion{log_so3(now.rotation * before.rotation.transpose()) / since_s,
-                (now.translation_m - before.translation_m) / since_s, since_s};
+                way_m / (since_s + rows_s - rows_before_s), since_s};
   if (motion_ && motion_->is_own() && surprise_px_ < kUsableSurprise_px)
     motion.acceleration_1_s2 =
         motion_->acceleration_1_s2 + 2 * kLastingShare / (since_s * (since_s + motion_->over_s)) * surprise;
   motion_ = motion;
+  now.translation_m -= rows_s * (motion.translation_m_s - taken.translation_m_s);
+  return now;
 }
 
 }  // namespace ninedot

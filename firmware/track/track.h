@@ -92,7 +92,8 @@ class Track {
         Eigen::Vector2d::Zero();  ///< of its ray (x/z, y/z): a camera that begins to turn
   };
   std::size_t choose(const PoseCandidates& candidates) const noexcept;
-  void note_motion(const PoseEstimate& pose, MonoTime exposed_at) noexcept;
+  double rows_after_middle_s(const CameraFromLandmark& T, const SheetMotion& motion) const noexcept;
+  CameraFromLandmark note_motion(const PoseCandidate& fitted, MonoTime exposed_at) noexcept;
   void note_numbering() noexcept;
 
   TrackOptions options_;

@@ -110,6 +110,31 @@ TEST(Track, GoesByTheCamerasMotionWhereItHasNoneOfItsOwn) {
   EXPECT_NEAR(angle_between_rad(expected, sheet_at(0.31)), 0.01, 1e-9) << "turning as the camera does";
 }
 
+/// Its rows are exposed 10 ms after the middle one; the first two fits don't know how it moves meanwhile.
+TEST(Track, ForetellsTheMiddleRowAlthoughTheFirstFitsKnewNoMotion) {
+  constexpr double kSpeed_m_s = 0.5, kRowTime_s = 40e-6, kBelow_m = 0.694444;  // 250 rows at 2 m
+  const auto sheet_then = [&](double time_s) {
+    CameraFromLandmark T = sheet_at(0.3, kSpeed_m_s * time_s);
+    T.translation_m.y() = kBelow_m;
+    return T;
+  };
+  Track track({.focal_px = kFocal_px});
+  for (int frame = 0; frame < 4; ++frame) {
+    const MonoTime at(1s + frame * 20ms);
+    SheetMotion known = track.motion_at(at).value_or(SheetMotion{});
+    known.row_time_s = kRowTime_s;
+    CameraFromLandmark fitted = sheet_then(0.020 * frame);
+    fitted.translation_m.x() += 0.010 * (kSpeed_m_s - known.translation_m_s.x());
+    PoseCandidate candidate = reading(fitted);
+    candidate.outlines.motion = known;
+    taken(track, readings({candidate}), at);
+    if (frame == 0) continue;
+    const MonoTime next = at + 20ms;
+    EXPECT_NEAR(track.motion_at(next)->translation_m_s.x(), kSpeed_m_s, 1e-4) << frame;
+    EXPECT_NEAR(track.expected_at(next).translation_m.x(), kSpeed_m_s * 0.020 * (frame + 1), 2e-6) << frame;
+  }
+}
+
 TEST(Track, TakesOtherNumbersForNoMotion) {
   Track track({.focal_px = kFocal_px});
   taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));
