@@ -18,8 +18,8 @@ struct OutlineWeights {
   std::array<double, kMaxGroups> weight{};       ///< of each group in the normal equations, 0..1
   std::array<bool, kMaxGroups> outline_there{};  ///< an outline where it belongs, though its light may be spoiled
   double noise_variance_lsb2 = 1;                ///< of one pixel [LSB^2]
-  double rms_px = 0;                             ///< groups' shifts against the state: root mean square, each by its certainty
-  OutlineFit fit;                                ///< `residual_lsb` is the root of noise_variance_lsb2
+  double rms_px = 0;  ///< groups' shifts against the state: root mean square, each by its certainty
+  OutlineFit fit;     ///< `residual_lsb` is the root of noise_variance_lsb2
 };
 
 /// Weights of all groups from their contrast, their residuals and their shift against what the state says.
