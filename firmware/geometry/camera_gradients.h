@@ -10,6 +10,8 @@ namespace ninedot {
 /// Order: fx, fy, cx, cy [px], then CameraModel::k in its own order [1]. Coefficients that a model does not have: 0.
 inline constexpr int kIntrinsics = 12;
 using IntrinsicGradient = Eigen::Matrix<double, 2, kIntrinsics>;
+/// Of the intrinsics in this order. [px^2, px, 1]
+using IntrinsicCovariance = Eigen::Matrix<double, kIntrinsics, kIntrinsics>;
 
 /// d(pixel)/d(intrinsics) of a normalised point that stays. \param point  z = 1, distortion removed
 /// \return  [px] per unit of each intrinsic. Memory: none. Threads: pure.

@@ -6,6 +6,12 @@
 
 namespace ninedot {
 
+/// A disc of the sheet.
+struct PlaneDisc {
+  Eigen::Vector2d centre_m{0, 0};  ///< (X0, Z0)
+  double radius_m = 0;             ///< > 0
+};
+
 /// Picture (z = 1) of a point of the sheet. \param plane_m  (X0, Z0)
 inline Eigen::Vector2d project_plane_point(const CameraFromLandmark& T_camera_landmark,
                                            const Eigen::Vector2d& plane_m) noexcept {

@@ -13,6 +13,7 @@
 #include "pipeline/report_reason.h"
 #include "pose/mirror_image.h"
 #include "pose/renumbered_candidates.h"
+#include "world/foretold_ring.h"
 #include "world/landmark_codes.h"
 #include "world/map_changes.h"
 
@@ -25,12 +26,14 @@ constexpr WorkBudget kRoomBudget{.regions = 4500, .guesses = 200, .second_guesse
 constexpr int kLooksPerFrame = 3;  // where the map lets expect landmarks; each costs a window of the picture
 // A landmark that is not where it should be (somebody stands before it) is looked for there after 1, 2, 4 .. frames.
 constexpr int kMostMissed = 6;
-// The camera's place foretells a landmark's to half of what the window around it allows for, at the nearest.
-constexpr double kUsablePosition_m = 0.15, kUsableTurn_rad = 0.05;
+// The camera's place foretells a landmark to what the window around it allows for, 1-sigma: so much of the ring's
+// diameter, and for distant ones so many pixels (detect/search_area.cpp).
+constexpr double kUsableOfRing = 0.3, kUsable_px = 16;
 constexpr double kUsableRate_rad_s = 0.7;  // of the camera's turning: more is no better than knowing nothing
+// From one frame to the next: a turn by 200 degrees per second at 35 frames, and what the distance of a landmark of
+// dots of 2 px scatters by.
+constexpr double kFarthestStep_rad = 0.1, kSameDistance = 0.1;
 constexpr double kFarthest_m = 12, kLeastFacing = 0.15;  // cosine to the sheet's normal: 81 degrees
-/// A mirror image that is worse by more is excluded: as where it isn't refined (pose/full_solver.cpp).
-constexpr double kExcluded_chi2 = 60;
 
 TrackOptions track_options(const CameraModel& camera, const LocaliserOptions& options) {
   return {camera.fx_px, options.seeker.landmark, options.seeker.solver == Solver::kFull,
@@ -46,14 +49,6 @@ LocaliserOptions without_map(LocaliserOptions options) {
 SeekerOptions with_map(SeekerOptions options) {
   options.has_map = true;
   return options;
-}
-
-/// Odds that one or the other is wrong.
-double either(double a_odds, double b_odds) noexcept { return 1 - (1 - a_odds) * (1 - b_odds); }
-
-/// Known well enough to be acted on: as each landmark's own pose has to be.
-bool is_certain(const WorldPose& world, double nearest_m, const TrustLimits& limits) noexcept {
-  return std::sqrt(world.covariance.topLeftCorner<3, 3>().trace()) <= limits.max_sigma_share * nearest_m;
 }
 
 Reason reason_of(WorldVerdict verdict) noexcept {
@@ -78,7 +73,8 @@ RoomLocaliser::RoomLocaliser(const CameraModel& camera, const LocaliserOptions& 
       camera_(camera),
       seeker_(camera, with_map(options.seeker)),
       room_(std::make_unique<RoomMap>(camera, options.seeker.landmark, options.map, options.trust.max_ambiguity)),
-      filter_(options.filter) {}
+      filter_(options.filter),
+      calibration_error_(camera, options.seeker.landmark, options.intrinsics) {}
 
 /// A map that has come takes the place of the one before. Rings in view stay followed, and who they are stays known
 /// where both maps have the sheet; the track begins anew where its landmarks hang elsewhere.
@@ -114,9 +110,17 @@ std::optional<CameraTwist> RoomLocaliser::twist_at(MonoTime time) const noexcept
                      rate_sigma_rad_s};
 }
 
+/// The seeker's answer.
+void RoomLocaliser::take_found(InView& landmark, std::size_t chosen) const noexcept {
+  landmark.candidates = seeker_.candidates();
+  landmark.row_motion = seeker_.row_motion();
+  landmark.chosen = chosen;
+}
+
 /// Those that were in view in the frame before.
 void RoomLocaliser::follow(const Frame& frame) noexcept {
   const auto twist = twist_at(frame.exposed_at());
+  lost_.clear();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     InView& landmark = in_view_[i];
@@ -128,10 +132,11 @@ void RoomLocaliser::follow(const Frame& frame) noexcept {
     if (!chosen) chosen = seeker_.detect_near_track(frame, landmark.track);
     if (!chosen && landmark.track.prior() != nullptr)
       chosen = seeker_.look_at(frame, landmark.track.expected_at(frame.exposed_at()), landmark.track);
-    if (!chosen) continue;
-    landmark.candidates = seeker_.candidates();
-    landmark.row_motion = seeker_.row_motion();
-    landmark.chosen = *chosen;
+    if (!chosen) {
+      if (landmark.track.prior() != nullptr) (void)lost_.try_push_back(landmark);  // no more than were in view
+      continue;
+    }
+    take_found(landmark, *chosen);
     landmark.is_fresh = false;
     if (kept != i) in_view_[kept] = landmark;
     ++kept;
@@ -145,9 +150,7 @@ void RoomLocaliser::follow(const Frame& frame) noexcept {
 void RoomLocaliser::look_where_expected(const Frame& frame) noexcept {
   for (std::uint8_t& frames : room_->wait) frames = static_cast<std::uint8_t>(frames > 0 ? frames - 1 : 0);
   const auto forecast = filter_.forecast(frame.exposed_at());
-  if (!forecast || forecast->covariance.topLeftCorner<3, 3>().trace() > kUsablePosition_m * kUsablePosition_m ||
-      forecast->covariance.bottomRightCorner<3, 3>().trace() > kUsableTurn_rad * kUsableTurn_rad)
-    return;
+  if (!forecast) return;
   const auto T_camera_world = forecast->T_world_camera.inverse();
   int looks = 0;
   for (std::size_t i = 0; i < room_->map.landmarks().size() && looks < kLooksPerFrame; ++i) {
@@ -161,6 +164,11 @@ void RoomLocaliser::look_where_expected(const Frame& frame) noexcept {
     if (!(px.x() > 0 && px.y() > 0 && px.x() < camera_.width_px && px.y() < camera_.height_px)) continue;
     const LandmarkForecast expected(T);
     if (is_known(expected.H_ray_plane)) continue;
+    const double usable =
+        std::max(kUsableOfRing * 2 * options_.seeker.landmark.ring_radius_m / p_m.norm(), kUsable_px / camera_.fx_px);
+    if (!(foretold_ray_sigma(forecast->T_world_camera, forecast->covariance, landmark.T_world_landmark,
+                             landmark.covariance, options_.seeker.landmark) < usable))
+      continue;
     ++looks;
     const bool is_new = begin_where_expected(frame, T, i);
     room_->missed[i] =
@@ -186,9 +194,7 @@ bool RoomLocaliser::begin_where_expected(const Frame& frame, const CameraFromLan
   }
   if (!chosen) chosen = seeker_.look_at(frame, T_camera_landmark, landmark.track);
   if (!chosen) return false;
-  landmark.candidates = seeker_.candidates();
-  landmark.row_motion = seeker_.row_motion();
-  landmark.chosen = *chosen;
+  take_found(landmark, *chosen);
   (void)in_view_.try_push_back(landmark);
   return true;
 }
@@ -197,7 +203,7 @@ void RoomLocaliser::look_everywhere(const Frame& frame) noexcept {
   frames_since_search_ = 0;
   const auto begin = [&](std::span<const LandmarkObservation> found) {
     for (const LandmarkObservation& seen : found)
-      if (!is_known(seen.H_ray_plane)) (void)begin_to_follow(frame, seen);
+      if (!is_known(seen.H_ray_plane) && !go_on_elsewhere(frame, seen)) (void)begin_to_follow(frame, seen);
   };
   if (const auto found = seeker_.detector().find_all_landmarks(frame.luma, seeker_.budget())) begin(*found);
   if (!in_view_.empty()) return;
@@ -222,10 +228,38 @@ bool RoomLocaliser::begin_to_follow(const Frame& frame, const LandmarkObservatio
   if (!chosen) return false;
   InView landmark;
   landmark.track = track;
-  landmark.candidates = seeker_.candidates();
-  landmark.row_motion = seeker_.row_motion();
-  landmark.chosen = *chosen;
+  take_found(landmark, *chosen);
   (void)in_view_.try_push_back(landmark);
+  return true;
+}
+
+/// A camera that turns fast has every landmark elsewhere at once, and tells its motion by that: what was lost in this
+/// frame goes on where one at its distance is found. That it is the same one its colours have to say.
+bool RoomLocaliser::go_on_elsewhere(const Frame& frame, const LandmarkObservation& seen) noexcept {
+  if (in_view_.full()) return false;
+  const Eigen::Vector3d ray = seen.H_ray_plane.col(2).normalized();
+  InView* nearest = nullptr;
+  double least_rad = kFarthestStep_rad;
+  for (InView& landmark : lost_) {
+    const Eigen::Vector3d ray_before = landmark.track.prior()->T_camera_landmark.translation_m.normalized();
+    const double step_rad = std::atan2(ray.cross(ray_before).norm(), ray.dot(ray_before));
+    if (step_rad >= least_rad) continue;
+    nearest = &landmark;
+    least_rad = step_rad;
+  }
+  if (nearest == nullptr) return false;
+  InView landmark = *nearest;
+  const auto chosen = seeker_.solve_guess(frame, seen, landmark.track);
+  if (!chosen) return false;
+  take_found(landmark, *chosen);
+  const double before_m = nearest->track.prior()->T_camera_landmark.translation_m.norm();
+  const double now_m = landmark.candidates.list[*chosen].pose.T_landmark_camera.translation_m.norm();
+  if (std::abs(now_m - before_m) > kSameDistance * before_m) return false;
+  landmark.is_fresh = false;
+  landmark.is_followed = false;
+  (void)in_view_.try_push_back(landmark);
+  *nearest = lost_[lost_.size() - 1];
+  lost_.pop_back();
   return true;
 }
 
@@ -271,146 +305,6 @@ void RoomLocaliser::number_by_code(const Frame& frame, InView& landmark) noexcep
   landmark.track.see(seen);
   // The poses were finite before they were turned.
   landmark.chosen = landmark.track.take(landmark.candidates, frame.exposed_at()).value_or(0);
-}
-
-WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
-  InlineVector<SightedLandmark, kMaxSightings> sighted;
-  InlineVector<std::size_t, kMaxSightings> which;  // index in in_view_
-  for (std::size_t i = 0; i < in_view_.size(); ++i) {
-    const InView& landmark = in_view_[i];
-    if (!landmark.identity) continue;
-    const PoseCandidate& believed = landmark.candidates.list[landmark.chosen];
-    SightedLandmark seen;
-    seen.sighting = {0, believed.pose.T_landmark_camera.inverse(), believed.dots};
-    widen_by_scatter(seen.sighting, options_.seeker.landmark);
-    widen(seen.sighting, landmark.row_motion.uncertainty, camera_);
-    for (std::size_t other = 0; other < landmark.candidates.list.size(); ++other) {
-      const PoseCandidate& mirror = landmark.candidates.list[other];
-      const double above_chi2 = mirror.chi2_above - believed.chi2_above;
-      if (other == landmark.chosen || !mirror.refined || above_chi2 > kExcluded_chi2) continue;
-      seen.mirror = mirror.pose.T_landmark_camera.inverse();
-      seen.mirror_chi2_above = above_chi2;
-    }
-    seen.coded = landmark.identity->coded;
-    seen.others_odds = landmark.identity->others_odds;
-    if (!seen.coded)
-      seen.numbering_costs =
-          upright_costs(seen.sighting.T_camera_landmark, options_.seeker.landmark, options_.seeker.detector.upright);
-    (void)sighted.try_push_back(seen);  // as many as are in view
-    (void)which.try_push_back(i);
-  }
-  const auto forecast = filter_.forecast(frame.exposed_at());
-  const WorldPrior prior = forecast ? WorldPrior{forecast->T_world_camera, forecast->covariance} : WorldPrior{};
-  WorldPose world = room_->world.solve(sighted.span(), forecast ? &prior : nullptr);
-  double nearest_m = std::numeric_limits<double>::infinity();
-  for (const SightedLandmark& seen : sighted)
-    nearest_m = std::min(nearest_m, seen.sighting.T_camera_landmark.translation_m.norm());
-  follow_in_world(frame, world, sighted.span());
-  if (world.is_valid() && !is_certain(world, nearest_m, options_.trust)) world.verdict = WorldVerdict::kUndetermined;
-  report_world(world, sighted.span(), which.span());
-  return world.verdict;
-}
-
-/// The track of the camera: by what the world pose is made of. A frame whose readings are open offers them all.
-void RoomLocaliser::follow_in_world(const Frame& frame, const WorldPose& world,
-                                    std::span<const SightedLandmark> sighted) noexcept {
-  std::array<LandmarkSighting, kMaxSightings> numbered;
-  InlineVector<JointMember, kMaxSightings> used;
-  InlineVector<WorldReading, PoseFilter::kMaxReadings> readings;
-  (void)readings.try_push_back({world.T_world_camera, 0, 0});
-  for (std::size_t i = 0; i < sighted.size(); ++i) {
-    const SightingVerdict& verdict = world.sightings[i];
-    if (verdict.use != SightingUse::kUsed || !verdict.landmark) continue;
-    const MappedLandmark& landmark = room_->map.landmarks()[*verdict.landmark];
-    const int turn = static_cast<int>(verdict.turn);
-    numbered[i] = {landmark.id, renumbered(sighted[i].sighting.T_camera_landmark, turn),
-                   renumbered(sighted[i].sighting.dots, turn)};
-    (void)used.try_push_back({&numbered[i], landmark.T_world_landmark, &landmark.covariance});
-    if (!sighted[i].mirror) continue;
-    const auto camera_by = [&](const CameraFromLandmark& T) {
-      return landmark.T_world_landmark * renumbered(T, turn).inverse();
-    };
-    (void)readings.try_push_back({camera_by(sighted[i].sighting.T_camera_landmark), 0, 0});  // the best come first
-    (void)readings.try_push_back({camera_by(*sighted[i].mirror), sighted[i].mirror_chi2_above, 0});
-  }
-  // One coded landmark whose mirror image is open: the track knows better, or will.
-  const bool is_known = world.is_valid() || (world.verdict == WorldVerdict::kAmbiguous && used.size() == 1 &&
-                                             sighted.size() == 1 && sighted[0].coded);
-  if (is_known && !used.empty()) note_carriers(world, filter_.take(frame.exposed_at(), used.span(), readings.span()));
-  fix_.track = filter_.at(frame.exposed_at());
-}
-
-/// What the track stands on.
-void RoomLocaliser::note_carriers(const WorldPose& world, FilterVerdict verdict) noexcept {
-  if (verdict == FilterVerdict::kStarted) std::ranges::fill(room_->carries_track, std::uint8_t{0});
-  if (verdict != FilterVerdict::kStarted && verdict != FilterVerdict::kTaken) return;
-  for (const SightingVerdict& sighting : world.sightings)
-    if (sighting.use == SightingUse::kUsed && sighting.landmark) room_->carries_track[*sighting.landmark] = 1;
-}
-
-/// What the picture says of each landmark, and of the camera in the world.
-void RoomLocaliser::report_world(const WorldPose& world, std::span<const SightedLandmark> sighted,
-                                 std::span<const std::size_t> which) noexcept {
-  if (world.is_valid()) fix_.world = WorldFix{world.T_world_camera, world.covariance, world.ambiguity, {}, {}};
-  for (std::size_t i = 0; i < sighted.size(); ++i) {
-    const SightingVerdict& verdict = world.sightings[i];
-    const std::optional<std::size_t> map_index = sighted[i].coded ? sighted[i].coded : verdict.landmark;
-    if (!map_index) continue;
-    InView& landmark = in_view_[which[i]];
-    const std::uint16_t id = room_->map.landmarks()[*map_index].id;
-    const bool is_used = world.is_valid() && verdict.use == SightingUse::kUsed;
-    if (is_used) believe_world(landmark, *map_index, verdict.turn, world);
-    if (is_used) (void)fix_.world->used.try_push_back(id);
-    if (world.is_valid() && verdict.use == SightingUse::kRejected) (void)fix_.world->rejected.try_push_back(id);
-    add_fix(landmark, *map_index, verdict, world);
-  }
-}
-
-/// Of a landmark's two planar solutions the one that the world's pose says.
-void RoomLocaliser::believe_world(InView& landmark, std::size_t map_index, std::size_t turn,
-                                  const WorldPose& world) noexcept {
-  const CameraFromLandmark expected = renumbered(
-      world.T_world_camera.inverse() * room_->map.landmarks()[map_index].T_world_landmark, -static_cast<int>(turn));
-  const auto turn_rad = [&](const PoseCandidate& candidate) {
-    return angle_between_rad(expected, candidate.pose.T_landmark_camera.inverse());
-  };
-  auto& list = landmark.candidates.list;
-  for (std::size_t i = 0; i < list.size(); ++i)
-    if (list[i].refined && turn_rad(list[i]) < turn_rad(list[landmark.chosen])) landmark.chosen = i;
-  landmark.track.believe(landmark.candidates, landmark.chosen);
-}
-
-void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const SightingVerdict& verdict,
-                            const WorldPose& world) noexcept {
-  const MappedLandmark& mapped = room_->map.landmarks()[map_index];
-  const int turn = static_cast<int>(verdict.turn);
-  LandmarkFix fix;
-  fix.id = mapped.id;
-  fix.candidates =
-      turn == 0 ? landmark.candidates : renumbered(landmark.candidates, turn, camera_, options_.seeker.landmark);
-  fix.chosen = landmark.chosen;
-  PoseEstimate& pose = fix.candidates.list[fix.chosen].pose;
-  const bool is_used = world.is_valid() && verdict.use == SightingUse::kUsed;
-  widen(pose, landmark.row_motion.uncertainty, camera_);
-  pose.ambiguity = either(is_used ? world.ambiguity : pose.ambiguity, landmark.identity->others_odds);
-  fix.sighting = {mapped.id, pose.T_landmark_camera.inverse(), fix.candidates.list[fix.chosen].dots};
-  fix.T_world_camera = world.is_valid() ? world.T_world_camera : mapped.T_world_landmark * pose.T_landmark_camera;
-  fix.covariance_world = world.is_valid() ? world.covariance : covariance_in_world(pose, mapped.T_world_landmark);
-  fix.quality = pose_quality(pose);
-  fix.verdict = verdict_on(pose, true, options_.trust);
-  (void)fix_.landmarks.try_push_back(fix);
-  // The one that counts comes first: one that may be acted on, the nearest or surest of those.
-  const auto rank_m2 = [&](const LandmarkFix& f) {
-    return options_.main_landmark == MainLandmark::kSurest ? f.pose().covariance.topLeftCorner<3, 3>().trace()
-                                                           : f.pose().T_landmark_camera.translation_m.squaredNorm();
-  };
-  const auto comes_before = [&](const LandmarkFix& a, const LandmarkFix& b) {
-    const bool a_is_valid = a.verdict == Reason::kNone, b_is_valid = b.verdict == Reason::kNone;
-    return a_is_valid != b_is_valid ? a_is_valid : rank_m2(a) < rank_m2(b);
-  };
-  const std::size_t last = fix_.landmarks.size() - 1;
-  if (last > 0 && comes_before(fix_.landmarks[last], fix_.landmarks[0]))
-    std::swap(fix_.landmarks[0], fix_.landmarks[last]);
 }
 
 const Fix& RoomLocaliser::process(const Frame& frame) noexcept {

@@ -44,18 +44,29 @@ class RoomLocaliser final : public FrameProcessor {
 
   void take_newest_map() noexcept;
   std::optional<CameraTwist> twist_at(MonoTime time) const noexcept;
+  void take_found(InView& landmark, std::size_t chosen) const noexcept;
   void follow(const Frame& frame) noexcept;
   void look_where_expected(const Frame& frame) noexcept;
   bool begin_where_expected(const Frame& frame, const CameraFromLandmark& T_camera_landmark,
                             std::size_t map_index) noexcept;
   void look_everywhere(const Frame& frame) noexcept;
   bool begin_to_follow(const Frame& frame, const LandmarkObservation& seen) noexcept;
+  bool go_on_elsewhere(const Frame& frame, const LandmarkObservation& seen) noexcept;
   void identify(const Frame& frame) noexcept;
   void number_by_code(const Frame& frame, InView& landmark) noexcept;
   WorldVerdict place_in_world(const Frame& frame) noexcept;
   void report_world(const WorldPose& world, std::span<const SightedLandmark> sighted,
                     std::span<const std::size_t> which) noexcept;
-  void follow_in_world(const Frame& frame, const WorldPose& world, std::span<const SightedLandmark> sighted) noexcept;
+  /// What a world pose is made of, each with its landmark's own numbering of the dots.
+  struct UsedSightings {
+    UsedSightings(const WorldPose& world, std::span<const SightedLandmark> sighted, const LandmarkMap& map) noexcept;
+    UsedSightings(const UsedSightings&) = delete;  // `members` point into `numbered`
+    std::array<LandmarkSighting, kMaxSightings> numbered;
+    InlineVector<JointMember, kMaxSightings> members;
+  };
+  void follow_in_world(const Frame& frame, const WorldPose& world, std::span<const SightedLandmark> sighted,
+                       const UsedSightings& used) noexcept;
+  void add_calibration_error(std::span<const JointMember> used, WorldPose& world) noexcept;
   void note_carriers(const WorldPose& world, FilterVerdict verdict) noexcept;
   void believe_world(InView& landmark, std::size_t map_index, std::size_t turn, const WorldPose& world) noexcept;
   void add_fix(const InView& landmark, std::size_t map_index, const SightingVerdict& verdict,
@@ -67,7 +78,10 @@ class RoomLocaliser final : public FrameProcessor {
   LandmarkSeeker seeker_;
   std::unique_ptr<RoomMap> room_;
   PoseFilter filter_;
+  CalibrationError calibration_error_;
+  PoseInformation calibration_share_ = PoseInformation::Zero();  // of the newest place in the world
   InlineVector<InView, kMaxLandmarksInView> in_view_;
+  InlineVector<InView, kMaxLandmarksInView> lost_;  ///< in view in the frame before, and not where they should be
   int frames_since_search_ = 0;
   std::uint32_t frames_cut_ = 0;
   Fix fix_;

@@ -42,12 +42,25 @@ struct Starts {
   bool centroids_decide() const noexcept { return differ && second_chi2_above >= kDecisive_chi2; }
 };
 
+/// The better one first, with how much worse the other one fits.
+void list_by_fit(PoseCandidate best, std::optional<PoseCandidate> mirror, PoseCandidates& candidates) noexcept {
+  if (mirror && mirror->refined) {
+    if (mirror->chi2_above < 0) std::swap(best, *mirror);
+    mirror->chi2_above = std::abs(mirror->chi2_above) + std::abs(best.chi2_above);
+    best.chi2_above = 0;
+  }
+  (void)candidates.list.try_push_back(best);
+  if (mirror) (void)candidates.list.try_push_back(*mirror);
+}
+
 }  // namespace
 
 struct FullSolver::Workspace {
-  Workspace(const CameraModel& camera_model, const LandmarkGeometry& landmark_geometry)
+  Workspace(const CameraModel& camera_model, const LandmarkGeometry& landmark_geometry,
+            const FullSolverOptions& solver_options)
       : camera(camera_model),
         landmark(landmark_geometry),
+        options(solver_options),
         rays(camera_model),
         first(camera, landmark, rays),
         second(camera, landmark, rays) {}
@@ -59,11 +72,13 @@ struct FullSolver::Workspace {
                              const SheetMotion& motion) const noexcept;
   bool refine_first(const ImageView& luma, const LandmarkObservation& seen, const Starts& starts,
                     const PosePrior* prior, double warp_px, int& pixels, const SheetMotion& motion) noexcept;
+  double believable(double chi2_above, const OutlineState& other) const noexcept;
   std::optional<PoseCandidate> weigh_mirror(const ImageView& luma, bool side_is_settled, double warp_px,
                                             int& pixels) noexcept;
 
   CameraModel camera;
   LandmarkGeometry landmark;
+  FullSolverOptions options;
   RayTable rays;
   OutlineRefiner first, second;  ///< scratch
 };
@@ -144,6 +159,14 @@ bool FullSolver::Workspace::refine_first(const ImageView& luma, const LandmarkOb
   return first.refine(luma, start, Start::kRough, warp_px, pixels).has_converged();
 }
 
+/// Of what tells the first refiner's pose from another one, what their dots' places can carry.
+double FullSolver::Workspace::believable(double chi2_above, const OutlineState& other) const noexcept {
+  if (options.pattern_px == 0) return chi2_above;
+  const double most_chi2 = evidence_of_places(first.state().T_camera_landmark, other.T_camera_landmark, first.dots(),
+                                              options.pattern_px / camera.fx_px, landmark);
+  return std::clamp(chi2_above, -most_chi2, most_chi2);
+}
+
 /// The mirror image of the first refiner's pose; none: there is no second pose. `chi2_above` is below zero where it
 /// fits better.
 std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView& luma, bool side_is_settled,
@@ -155,7 +178,7 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
   PoseCandidate mirror;
   mirror.pose.T_landmark_camera = mirrored.T_camera_landmark.inverse();
   mirror.outlines = mirrored;
-  mirror.chi2_above = first.chi2_above(mirrored);
+  mirror.chi2_above = believable(first.chi2_above(mirrored), mirrored);
   mirror.refined = !(mirror.chi2_above > (side_is_settled && apart_rad > kApart_rad ? kSettled_chi2 : kDecisive_chi2));
   if (!mirror.refined) return mirror;
   if (!second.refine(luma, mirrored, OutlineRefiner::Start::kClose, warp_px, pixels).has_converged()) {
@@ -166,27 +189,13 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
     return std::nullopt;
   mirror = candidate_of(second, camera, landmark);
   // Half of the difference from the pixels of either: neither's choice of pixels and weights decides.
-  mirror.chi2_above = 0.5 * (first.chi2_above(second.state()) - second.chi2_above(first.state()));
+  mirror.chi2_above =
+      believable(0.5 * (first.chi2_above(second.state()) - second.chi2_above(first.state())), second.state());
   return mirror;
 }
 
-namespace {
-
-/// The better one first, with how much worse the other one fits.
-void list_by_fit(PoseCandidate best, std::optional<PoseCandidate> mirror, PoseCandidates& candidates) noexcept {
-  if (mirror && mirror->refined) {
-    if (mirror->chi2_above < 0) std::swap(best, *mirror);
-    mirror->chi2_above = std::abs(mirror->chi2_above) + std::abs(best.chi2_above);
-    best.chi2_above = 0;
-  }
-  (void)candidates.list.try_push_back(best);
-  if (mirror) (void)candidates.list.try_push_back(*mirror);
-}
-
-}  // namespace
-
-FullSolver::FullSolver(const CameraModel& camera, const LandmarkGeometry& landmark)
-    : workspace_(std::make_unique<Workspace>(camera, landmark)) {}
+FullSolver::FullSolver(const CameraModel& camera, const LandmarkGeometry& landmark, const FullSolverOptions& options)
+    : workspace_(std::make_unique<Workspace>(camera, landmark, options)) {}
 
 FullSolver::~FullSolver() = default;
 
@@ -218,7 +227,7 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
   // Where a reading that is none of a landmark fits as well, the picture shows none.
   for (const PoseCandidate& reading : candidates.list)
     if (reading.refined && reading.chi2_above < kUndecided_chi2)
-      if (const auto usable = check_pose(reading.pose, w.camera, w.landmark); !usable)
+      if (const auto usable = check_pose(reading.pose, w.camera, w.landmark, w.options.most_sigma); !usable)
         return tl::unexpected<Error>(usable.error());
   candidates.list[0].shape = (mirror_is_better ? w.second : w.first).shape();
   return candidates;

@@ -18,11 +18,19 @@ struct PosePrior {
   bool side_is_settled = false;  ///< the track has told the two planar solutions apart
 };
 
+struct FullSolverOptions {
+  /// Of the position, as a share of the distance: who knows no more of one landmark has no pose. [1]
+  double most_sigma = 0.1;
+  /// What a colour camera's pattern and its interpolation leave at each dot: limits what tells two planar solutions
+  /// apart (pose/mirror_image.h).
+  double pattern_px = 0;
+};
+
 /// Memory: everything is allocated by the constructor; it is scratch, and no answer depends on the call before.
 /// Threads: one caller.
 class FullSolver {
  public:
-  FullSolver(const CameraModel& camera, const LandmarkGeometry& landmark);
+  FullSolver(const CameraModel& camera, const LandmarkGeometry& landmark, const FullSolverOptions& options = {});
   ~FullSolver();
   FullSolver(const FullSolver&) = delete;
   FullSolver& operator=(const FullSolver&) = delete;
@@ -38,8 +46,8 @@ class FullSolver {
   /// The pose without a detector: from the outlines where they are expected. It takes about half the time, and the
   /// answer is that of `solve`. \param expected  the sheet before the camera in this picture, outlines within about
   /// half a pixel
-  /// \error kNoLandmark: it is not quite there, its light is not smooth, or its mirror image would have to be refined:
-  /// detect it
+  /// \error kNoLandmark: it is not quite there, edges of light seem to cross most of its dots, or there were no pixels
+  /// left to refine an open mirror image with: detect it
   Result<PoseCandidates> follow(const ImageView& luma, const CameraFromLandmark& expected, const PosePrior& prior,
                                 int& pixels, const SheetMotion& motion = {}) noexcept;
 

@@ -22,6 +22,20 @@ CameraFromLandmark reflected(const CameraFromLandmark& T) noexcept {
 
 }  // namespace
 
+double evidence_of_places(const CameraFromLandmark& a, const CameraFromLandmark& b, const DotSightings& dots,
+                          double pattern, const LandmarkGeometry& landmark) noexcept {
+  double apart_chi2 = 0;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    const Eigen::Vector2d C = landmark.centre_m(dot);
+    const Eigen::Vector3d p(C.x(), 0, C.y());
+    const Eigen::Vector2d d = (a * p).hnormalized() - (b * p).hnormalized();
+    const Eigen::Matrix2d& information = dots[dot].information;
+    const Eigen::Matrix2d held = Eigen::Matrix2d::Identity() + pattern * pattern * information;
+    apart_chi2 += d.dot(held.inverse() * information * d);
+  }
+  return apart_chi2 + 2 * std::sqrt(apart_chi2);
+}
+
 double angle_between_rad(const CameraFromLandmark& a, const CameraFromLandmark& b) noexcept {
   return log_so3(a.rotation.transpose() * b.rotation).norm();
 }

@@ -1,5 +1,6 @@
 #pragma once
 /// The other pose from which a flat landmark looks almost alike.
+#include "geometry/dot_sighting.h"
 #include "geometry/landmark.h"
 #include "geometry/transform.h"
 
@@ -10,6 +11,14 @@ namespace ninedot {
 /// solution, the reflection: noise in a picture can have made a second one all the same, and `T` of it.
 /// Memory: none. Threads: pure.
 CameraFromLandmark mirror_image(const CameraFromLandmark& T_camera_landmark, const LandmarkGeometry& landmark) noexcept;
+
+/// The most that one picture can say for one of two poses against the other by where it shows their dots. Two readings
+/// whose dots lie d apart differ by a chi^2 of D^2 = sum of d^T C^-1 d, give or take 2 D (a likelihood ratio of two
+/// Gaussians); what goes beyond that comes of what no model has.
+/// \param dots  C^-1 of each \param pattern  1-sigma of each dot's ray, beside C [1]
+/// \return  D^2 + 2 D, difference of chi^2 [1] Memory: none. Threads: pure.
+double evidence_of_places(const CameraFromLandmark& a, const CameraFromLandmark& b, const DotSightings& dots,
+                          double pattern, const LandmarkGeometry& landmark) noexcept;
 
 /// Angle of the rotation between two poses. 0..pi
 double angle_between_rad(const CameraFromLandmark& a, const CameraFromLandmark& b) noexcept;

@@ -9,9 +9,9 @@
 
 namespace ninedot {
 
-Result<OutlineDistance> outline_distance(const CameraModel& camera, const LandmarkGeometry& landmark,
-                                         const CameraFromLandmark& T_camera_landmark, std::size_t dot,
-                                         const Eigen::Vector2d& pixel_px, const SheetMotion& motion) noexcept {
+Result<OutlineDistance> outline_distance(const CameraModel& camera, const PlaneDisc& disc,
+                                         const CameraFromLandmark& T_camera_landmark, const Eigen::Vector2d& pixel_px,
+                                         const SheetMotion& motion) noexcept {
   NINEDOT_TRY(const Eigen::Vector2d point, camera.normalised_from_pixel(pixel_px));
   // The pose while this row was exposed.
   const double rows = pixel_px.y() - motion.middle_row_px;
@@ -23,7 +23,7 @@ Result<OutlineDistance> outline_distance(const CameraModel& camera, const Landma
   const Eigen::Vector3d q = G.inverse() * m;
   if (!(q.z() > 0)) return fail(Errc::kPoseDegenerate, "a pixel's ray does not meet the sheet in front of the camera");
   const double depth_m = 1 / q.z();
-  const Eigen::Vector2d from_middle_m = q.hnormalized() - landmark.centre_m(dot);
+  const Eigen::Vector2d from_middle_m = q.hnormalized() - disc.centre_m;
   const double rho_m = from_middle_m.norm();
   const Eigen::Vector3d g = (from_middle_m.x() * rX + from_middle_m.y() * rZ) / rho_m;
   const Eigen::Vector3d h = g - n * (g.dot(m) / n.dot(m));
@@ -34,7 +34,7 @@ Result<OutlineDistance> outline_distance(const CameraModel& camera, const Landma
   if (!std::isfinite(rho_m) || !(m_per_px > 0)) return fail(Errc::kPoseDegenerate, "a pixel sees the sheet edge on");
 
   OutlineDistance out;
-  out.distance_px = (rho_m - landmark.radius_m(dot)) / m_per_px;
+  out.distance_px = (rho_m - disc.radius_m) / m_per_px;
   const Eigen::Vector3d p = depth_m * m;
   out.by_pose << -((p - T.translation_m).cross(h)).transpose() / (kLever_m * m_per_px), -h.transpose() / m_per_px;
   out.by_intrinsics = (depth_m / m_per_px) * h.head<2>().transpose() * ray_by_intrinsics(camera, point);

@@ -7,6 +7,7 @@
 
 #include "base/result.h"
 #include "geometry/camera_gradients.h"
+#include "geometry/disc.h"
 #include "geometry/landmark.h"
 #include "geometry/sheet_motion.h"
 #include "pose/outline_state.h"
@@ -25,8 +26,17 @@ struct OutlineDistance {
 /// \param T_camera_landmark  at the middle row
 /// \error kPoseDegenerate: the pixel's ray does not meet the sheet in front of the camera, or the lens has no inverse
 /// Memory: none. Threads: pure.
-Result<OutlineDistance> outline_distance(const CameraModel& camera, const LandmarkGeometry& landmark,
-                                         const CameraFromLandmark& T_camera_landmark, std::size_t dot,
-                                         const Eigen::Vector2d& pixel_px, const SheetMotion& motion = {}) noexcept;
+Result<OutlineDistance> outline_distance(const CameraModel& camera, const PlaneDisc& disc,
+                                         const CameraFromLandmark& T_camera_landmark, const Eigen::Vector2d& pixel_px,
+                                         const SheetMotion& motion = {}) noexcept;
+
+/// The same of a landmark's dot.
+inline Result<OutlineDistance> outline_distance(const CameraModel& camera, const LandmarkGeometry& landmark,
+                                                const CameraFromLandmark& T_camera_landmark, std::size_t dot,
+                                                const Eigen::Vector2d& pixel_px,
+                                                const SheetMotion& motion = {}) noexcept {
+  return outline_distance(camera, PlaneDisc{landmark.centre_m(dot), landmark.radius_m(dot)}, T_camera_landmark,
+                          pixel_px, motion);
+}
 
 }  // namespace ninedot

@@ -14,7 +14,6 @@ namespace {
 constexpr double kCommonShift_px = 0.002;
 constexpr double kHalf = 0.5;  // of its outline: a dot that shows less counts as hidden in the founding paper's levels
 constexpr double kMaxMisfit = 0.3;  // of a dot's radius: what is further off is no print of the landmark
-constexpr double kMaxSigma = 0.1;   // of the distance: whoever knows no more has no position
 constexpr int kLeastDots = 3;       // three discs determine a plane's pose, two leave a turn about their line
 
 // Times the picture's noise: the estimate is within a fifth of the truth, smooth light leaves 1.6 times the variance.
@@ -47,6 +46,7 @@ constexpr double kMostOffset = 0.6, kMostInwards = 1.2, kMostOffset_px = 0.1;
 constexpr double kMostSize = 0.05, kMostSecond = 0.12, kMostFourth = 0.04, kMostAside = 0.2;
 // P9's size against the ring's dots': 0.024 at most where nothing moved; of a middle that is larger by half 0.3.
 constexpr double kMostCentreSize = 0.1;
+constexpr double kColouredSize = 0.04;  // beside kMostSize
 // Motion by 2 to 10 px leaves up to 0.29 (second) and 0.31 (P9's size) of dots of 3 to 4 px (120 rendered pictures):
 // less than so much beside the limits above, in shares of the blur's second harmonic and of its excess over a sharp
 // one.
@@ -58,7 +58,7 @@ constexpr double kWholeDot = 0.9;            // visible share: the dot counts as
 constexpr double kCentreOfWholeRing = 0.75;  // of P9's outline, where nothing hides a dot around it
 
 /// Discs of the landmark's sizes, and none printed elsewhere.
-bool are_discs(const PoseCandidate& candidate, double size_allowance) noexcept {
+bool are_discs(const PoseCandidate& candidate, bool is_coloured) noexcept {
   const OutlineShape& shape = candidate.shape;
   const double r2_px2 = std::pow(candidate.dot_radius_px, 2);
   // Motion makes all dots longer in one direction; ellipses that lie in several look blurred alike.
@@ -67,11 +67,10 @@ bool are_discs(const PoseCandidate& candidate, double size_allowance) noexcept {
   const auto& visible = candidate.visible_share;
   const bool ring_is_whole =
       std::all_of(visible.begin(), visible.begin() + kRingDotCount, [](double share) { return share >= kWholeDot; });
-  // A coloured dot's outline lies elsewhere than that of P9, which is black.
-  const bool centre_is_other = size_allowance == 0 && shape.centre_size > kMostCentreSize + kPerBlur * smeared;
-  return shape.size <= kMostSize + size_allowance && shape.second <= kMostSecond + kPerAlong * along &&
-         shape.fourth <= kMostFourth && shape.absent == 0 && shape.hollow == 0 &&
-         !(ring_is_whole && (shape.centre > kMostAside || centre_is_other));
+  const double most_size = kMostSize + (is_coloured ? kColouredSize : 0);
+  const bool centre_is_other = !is_coloured && shape.centre_size > kMostCentreSize + kPerBlur * smeared;
+  return shape.size <= most_size && shape.second <= kMostSecond + kPerAlong * along && shape.fourth <= kMostFourth &&
+         shape.absent == 0 && shape.hollow == 0 && !(ring_is_whole && (shape.centre > kMostAside || centre_is_other));
 }
 
 /// What hides a landmark comes from outside: it hides P9 after dots of the ring, and neighbours together.
@@ -154,18 +153,18 @@ bool fits_picture(const PoseCandidate& candidate, const PictureNoise& noise, con
   const double most_px = (offset_px < 0 ? kMostInwards : kMostOffset) * blur_px + kMostOffset_px;
   if (!(std::abs(offset_px) <= most_px)) return false;
   if (!is_plausibly_hidden(candidate.visible_share)) return false;
-  if (!are_discs(candidate, allowance.size)) return false;
+  if (!are_discs(candidate, allowance.is_coloured)) return false;
   return fit.residual_lsb <= kMostResidual * fit.contrast_lsb &&
          fit.residual_lsb * fit.residual_lsb <= kFitNoise * kFitNoise * noise_lsb2 + light_lsb * light_lsb;
 }
 
-Result<void> check_pose(const PoseEstimate& pose, const CameraModel& camera,
-                        const LandmarkGeometry& landmark) noexcept {
+Result<void> check_pose(const PoseEstimate& pose, const CameraModel& camera, const LandmarkGeometry& landmark,
+                        double most_sigma) noexcept {
   const double distance_m = pose.T_landmark_camera.translation_m.norm();
   if (pose.rms_px > kMaxMisfit * camera.fx_px * landmark.dot_radius_m / distance_m)
     return fail(Errc::kNoLandmark, "the outlines do not lie where those of one landmark would");
   const double sigma_m = std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace());
-  if (!(sigma_m < kMaxSigma * distance_m) || pose.dots_used < kLeastDots)
+  if (!(sigma_m < most_sigma * distance_m) || pose.dots_used < kLeastDots)
     return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
   return {};
 }

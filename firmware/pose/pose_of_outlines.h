@@ -19,12 +19,11 @@ struct FitAllowance {
   /// Of the dots' places, beside what is allowed to what nobody expects. [px] A colour camera's pattern and its
   /// interpolation move dots of two or three pixels by 0.2 to 0.35 px (rendered rooms, 5 to 6.4 m).
   double misfit_px = 0;
-  /// Of the dots' sizes, in dot radii [1]: a tone curve moves the outline of a coloured dot less than that of a black
-  /// one, by 0.05 of a radius of 2 px.
-  double size = 0;
+  /// Its dots may have colours: a tone curve moves their outlines less than a black one's, by 0.05 of a radius of 2 px,
+  /// so that they differ in size, and P9, which is black, from all of them.
+  bool is_coloured = false;
 };
 inline constexpr double kForetoldMisfit_px = 0.25;  ///< where a map and a track say that it is there
-inline constexpr double kColouredSize = 0.04;       ///< where its dots may have colours [1]
 
 /// Whether the picture's grey levels agree with a pose, judged by the picture's own noise: something that only
 /// resembles a landmark leaves residuals of an eighth of its contrast and more, however well its outlines fit each
@@ -32,9 +31,10 @@ inline constexpr double kColouredSize = 0.04;       ///< where its dots may have
 bool fits_picture(const PoseCandidate& candidate, const PictureNoise& noise,
                   const FitAllowance& allowance = {}) noexcept;
 
-/// Why a pose is of no use, if it is.
+/// Why a pose is of no use, if it is. \param most_sigma  of the position, as a share of the distance [1]
 /// \error kNoLandmark: the outlines do not lie where those of one landmark would. kPoseDegenerate: too little is
 /// visible.
-Result<void> check_pose(const PoseEstimate& pose, const CameraModel& camera, const LandmarkGeometry& landmark) noexcept;
+Result<void> check_pose(const PoseEstimate& pose, const CameraModel& camera, const LandmarkGeometry& landmark,
+                        double most_sigma) noexcept;
 
 }  // namespace ninedot

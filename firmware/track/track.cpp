@@ -1,5 +1,6 @@
 #include "track/track.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -29,6 +30,9 @@ constexpr double kLessCertain = 3;
 // motion of the frame before.
 constexpr double kExpectedSigmas = 6, kUnforetoldTurn_rad = 0.03;
 
+// How fast a robot, or a head on it, turns before a landmark: half a turn in three seconds, 1-sigma.
+constexpr double kUsualRate_rad_s = 1;
+
 // For so long the numbers of a landmark's dots are remembered while it is out of sight: in a second a head or a robot
 // that is out of sight does not roll by more than the 8 degrees at which a forecast is still met (detect/numbering.h).
 constexpr std::chrono::seconds kRemembered{1};
@@ -46,6 +50,15 @@ constexpr NumberingCosts kNoOtherNumbering{0, 1000, 1000, 1000, 1000, 1000, 1000
 double turn_in_plane_rad(const CameraFromLandmark& before, const CameraFromLandmark& now) noexcept {
   const Eigen::Matrix3d turn = before.rotation.transpose() * now.rotation;
   return std::atan2(turn(0, 2) - turn(2, 0), turn(0, 0) + turn(2, 2));
+}
+
+/// The rate of a turn that was measured with `spread_rad2`: where tilts are known poorly, most of a difference of two
+/// is noise. Bayes, both Gaussian.
+Eigen::Vector3d believed_rate(const Eigen::Vector3d& turn_rad, const Eigen::Matrix3d& spread_rad2,
+                              double since_s) noexcept {
+  const double usual_rad2 = std::pow(kUsualRate_rad_s * since_s, 2);
+  const Eigen::Matrix3d total_rad2 = spread_rad2 + usual_rad2 * Eigen::Matrix3d::Identity();
+  return usual_rad2 / since_s * total_rad2.llt().solve(turn_rad);
 }
 
 }  // namespace
@@ -224,8 +237,10 @@ CameraFromLandmark Track::note_motion(const PoseCandidate& fitted, MonoTime expo
   const double rows_s = rows_after_middle_s(now, taken), rows_before_s = rows_after_middle_s(before, taken_before);
   const Eigen::Vector3d way_m = now.translation_m + rows_s * taken.translation_m_s - before.translation_m -
                                 rows_before_s * taken_before.translation_m_s;
-  Motion motion{log_so3(now.rotation * before.rotation.transpose()) / since_s,
-                way_m / (since_s + rows_s - rows_before_s), since_s};
+  const Eigen::Vector3d turn_rad = log_so3(now.rotation * before.rotation.transpose());
+  const Eigen::Matrix3d spread_rad2 =
+      pose_.covariance.bottomRightCorner<3, 3>() + fitted.pose.covariance.bottomRightCorner<3, 3>();
+  Motion motion{believed_rate(turn_rad, spread_rad2, since_s), way_m / (since_s + rows_s - rows_before_s), since_s};
   if (motion_ && motion_->is_own() && surprise_px_ < kUsableSurprise_px)
     motion.acceleration_1_s2 =
         motion_->acceleration_1_s2 + 2 * kLastingShare / (since_s * (since_s + motion_->over_s)) * surprise;

@@ -1,6 +1,7 @@
 #include "world/moved_landmarks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/contract.h"
@@ -17,9 +18,11 @@ bool MovedLandmarks::is_moved(std::size_t landmark) const noexcept {
   return to_agree_frames_[landmark] > 0;
 }
 
-void MovedLandmarks::disagrees(std::size_t landmark) noexcept {
-  EXPECTS(landmark < to_agree_frames_.size());
-  to_agree_frames_[landmark] = forgiven_after_frames_;
+void MovedLandmarks::disagrees(std::size_t landmark, double beyond_chi2) noexcept {
+  EXPECTS(landmark < to_agree_frames_.size() && beyond_chi2 >= 0);
+  const double frames = to_agree_frames_[landmark] + std::ceil(beyond_chi2);
+  to_agree_frames_[landmark] =
+      static_cast<std::uint16_t>(std::clamp<double>(frames, 1, static_cast<double>(forgiven_after_frames_)));
 }
 
 void MovedLandmarks::agrees(std::size_t landmark) noexcept {

@@ -21,7 +21,9 @@ class MovedLandmarks {
   /// \param landmark  index into the map's landmarks (contract)
   bool is_moved(std::size_t landmark) const noexcept;
   /// The others say that it is not in its place, in a frame that leaves no doubt of it. \param landmark  index
-  void disagrees(std::size_t landmark) noexcept;
+  /// \param beyond_chi2  by how much it disagrees more than chance does: as many frames have to agree before it is
+  /// forgiven, up to the most. Of ten thousand true ones one is above chance, and by little. [1]
+  void disagrees(std::size_t landmark, double beyond_chi2) noexcept;
   /// The others say that it is in its place. \param landmark  index
   void agrees(std::size_t landmark) noexcept;
   /// What is known of a landmark of another map that hangs unchanged in this one. \param before  the other map's

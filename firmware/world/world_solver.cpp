@@ -168,7 +168,7 @@ void WorldSolver::remember(const WorldPose& pose) noexcept {
     if (sighting.chi2_against_rest <= options_.max_disagreement_chi2)
       moved_.agrees(*sighting.landmark);
     else
-      moved_.disagrees(*sighting.landmark);
+      moved_.disagrees(*sighting.landmark, sighting.chi2_against_rest - options_.max_disagreement_chi2);
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "base/units.h"
 #include "tests/config/config_text.h"
 
@@ -22,6 +24,18 @@ TEST(MotionOptions, OfAnEmptyFileAreTheFiltersOwnAndACameraAtTheBodysOrigin) {
   const CameraOnBody camera = camera_on_body(body_geometry(parse("").body), {});
   EXPECT_TRUE(camera.T_body_camera.translation_m.isZero());
   EXPECT_TRUE(camera.covariance.isZero());
+}
+
+/// A head turns its camera faster than a robot does: 60 degrees per second within the quarter of a second.
+TEST(MotionOptions, LeaveRoomForAHeadsOwnTurns) {
+  const PoseFilterOptions own,
+      slow = pose_filter_options(parse("[pan_tilt]\ndriver = \"simulated\"\n")),
+      fast = pose_filter_options(parse("[pan_tilt]\ndriver = \"simulated\"\n[pan_tilt.tilt]\n"
+                                       "slew_deg_per_s = 350\nacceleration_deg_per_s2 = 900\n"));
+  EXPECT_DOUBLE_EQ(slow.angular_acceleration_sigma_rad_s2,
+                   std::hypot(own.angular_acceleration_sigma_rad_s2, 240 * kRadPerDeg));
+  EXPECT_DOUBLE_EQ(fast.angular_acceleration_sigma_rad_s2,
+                   std::hypot(own.angular_acceleration_sigma_rad_s2, 900 * kRadPerDeg));
 }
 
 TEST(MotionOptions, AreReadInMetresAndRadians) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -45,6 +46,28 @@ void expect_dots_in_place(const test::Scene& scene, const LandmarkObservation& s
   }
 }
 
+/// The outline of a dot in the picture: the axes of an ellipse through points of it.
+struct Outline {
+  double semi_major_px, semi_minor_px, angle_rad;
+};
+Outline outline_of(const test::Scene& scene, std::size_t dot) {
+  const LandmarkGeometry landmark;
+  Eigen::Vector2d middle(0, 0);
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < 360; ++i) {
+    const double a_rad = i * kDegree;
+    points.push_back(pixel_of(
+        scene, landmark.centre_m(dot) + landmark.radius_m(dot) * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad))));
+    middle += points.back() / 360;
+  }
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const Eigen::Vector2d& point : points) spread += (point - middle) * (point - middle).transpose() / 360;
+  // Of a circle's points a coordinate's variance is r^2 / 2.
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread);
+  const Eigen::Vector2d along = axes.eigenvectors().col(1);
+  return {std::sqrt(2 * axes.eigenvalues()(1)), std::sqrt(2 * axes.eigenvalues()(0)), std::atan2(along.y(), along.x())};
+}
+
 struct View {
   const char* name;
   test::Viewpoint viewpoint;
@@ -65,6 +88,28 @@ TEST_P(Views, AreFoundWithEveryDotNumberedRight) {
   const auto again = detector.find_landmark_near(picture.view(), {seen->front(), ForecastNumbers::kByPriors});
   ASSERT_TRUE(again.has_value());
   expect_dots_in_place(scene, *again, 0.4 + 0.8 / GetParam().viewpoint.distance_m);
+}
+
+TEST(Detector, TellsTheEllipseOfEachDot) {
+  for (const double azimuth_rad : {0.3, 1.2, 2.5, 4.0}) {
+    const test::Scene scene = scene_at({.distance_m = 1, .tilt_rad = 55 * kDegree, .azimuth_rad = azimuth_rad}, 0.5);
+    const test::Picture picture = test::render(scene, 1);
+    Detector detector(CameraModel{}, LandmarkGeometry{});
+    const auto seen = detector.find_landmarks(picture.view());
+    ASSERT_TRUE(seen.has_value()) << azimuth_rad;
+    int judged = 0;
+    for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+      const DotObservation& found = seen->front().dots[dot];
+      if (!found.seen) continue;
+      ++judged;
+      const Outline expected = outline_of(scene, dot);
+      // Blur and whole pixels widen the narrow way of a dot of 9 px by some percent.
+      EXPECT_NEAR(found.semi_major_px / expected.semi_major_px, 1, 0.08) << azimuth_rad << " P" << dot + 1;
+      EXPECT_NEAR(found.semi_minor_px / expected.semi_minor_px, 1, 0.15) << azimuth_rad << " P" << dot + 1;
+      EXPECT_LT(std::abs(std::sin(found.angle_rad - expected.angle_rad)), 0.08) << azimuth_rad << " P" << dot + 1;
+    }
+    EXPECT_GE(judged, 8);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -6,6 +6,7 @@
 
 #include "base/units.h"
 #include "geometry/euler_angles.h"
+#include "tests/geometry/askew_body.h"
 #include "tests/support/random.h"
 
 namespace ninedot {
@@ -15,17 +16,6 @@ using Eigen::Vector3d;
 using WorldFromCamera = Transform<frame::World, frame::Camera>;
 
 constexpr double kDeg = kRadPerDeg;
-
-/// A head on a mast, a little askew everywhere.
-BodyGeometry any_body() {
-  BodyGeometry body;
-  body.pan_axis_m = {0.2, -0.05, 0.9};
-  body.mount_rpy_rad = Vector3d(1.5, -2, 30) * kDeg;
-  body.tilt_axis_m = {0.01, 0.002, 0.06};
-  body.camera_m = {0.03, -0.004, 0.02};
-  body.camera_rpy_rad = Vector3d(0.5, -0.3, 0.8) * kDeg;
-  return body;
-}
 
 TEST(Body, WithoutGeometryTheCameraIsItsOriginAndLooksAhead) {
   const CameraOnBody camera = camera_on_body({}, {});
@@ -67,7 +57,7 @@ TEST(Body, IsTheProductOfTheTransformsThatTheHeaderNames) {
     return about(rpy_rad.z(), Vector3d::UnitZ()) * about(rpy_rad.y(), Vector3d::UnitY()) *
            about(rpy_rad.x(), Vector3d::UnitX());
   };
-  const BodyGeometry body = any_body();
+  const BodyGeometry body = test::askew_body();
   const HeadAngles head{0.4, -0.3};
   const Eigen::Affine3d expected = Eigen::Translation3d(body.pan_axis_m) * turned(body.mount_rpy_rad) *
                                    about(head.pan_rad, Vector3d::UnitZ()) * Eigen::Translation3d(body.tilt_axis_m) *
@@ -92,7 +82,7 @@ Transform<To, From> moved(const Transform<To, From>& T, const Eigen::Matrix<doub
 constexpr double kStep = 1e-6;
 
 TEST(Body, CovarianceOfTheHeadIsThatOfDifferences) {
-  BodyGeometry body = any_body();
+  BodyGeometry body = test::askew_body();
   for (const HeadAngles& head : {HeadAngles{0, 0}, HeadAngles{0.7, -0.4}, HeadAngles{-1.2, 0.9}}) {
     body.pan_sigma_rad = 0.01;
     body.tilt_sigma_rad = 0.02;
@@ -117,7 +107,7 @@ TEST(Body, CovarianceInTheWorldIsThatOfDifferences) {
     for (int i = 0; i < 36; ++i) root(i) = random.normal();
     return BodyCovariance(root * root.transpose());
   };
-  CameraOnBody camera = camera_on_body(any_body(), {0.4, -0.3});
+  CameraOnBody camera = camera_on_body(test::askew_body(), {0.4, -0.3});
   camera.covariance = any_covariance();
   const BodyCovariance camera_covariance = any_covariance();
   const WorldFromCamera T{exp_so3({0.3, -1.1, 2.0}), {3, -4, 1}};
@@ -138,7 +128,7 @@ TEST(Body, CovarianceInTheWorldIsThatOfDifferences) {
 }
 
 TEST(Body, StandsWhereItsCameraSaysHoweverTheHeadIsTurned) {
-  const BodyGeometry body = any_body();
+  const BodyGeometry body = test::askew_body();
   const WorldFromBody truth{rotation_of(YawPitchRoll{0.9, 0.02, -0.03}), {2, 1, 0.1}};
   for (const HeadAngles& head : {HeadAngles{0, 0}, HeadAngles{0.7, -0.4}, HeadAngles{-1.2, 0.9}}) {
     const CameraOnBody camera = camera_on_body(body, head);

@@ -223,6 +223,37 @@ TEST(RoomLocaliser, NamesAnewASheetThatWasPutInThePlaceOfAnother) {
   EXPECT_EQ(fix.main().id, 12);
 }
 
+/// By four times the radius of its ring. What was in view tells that, not colours: the second frame has none.
+TEST(RoomLocaliser, GoesOnWithASheetThatACameraTurningFastHasElsewhere) {
+  test::Viewpoint viewpoint = kFromAside;
+  viewpoint.distance_m = 4;
+  const test::ColourPicture first = coded_picture("KRGBKKRB", viewpoint, 3);
+  viewpoint.off_axis_x_rad = 0.08;
+  const test::ColourPicture turned = coded_picture("KRGBKKRB", viewpoint, 4);
+  viewpoint.off_axis_x_rad = 0.16;
+  const test::ColourPicture goes_on = coded_picture("KRGBKKRB", viewpoint, 5);
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_codes()});
+  ASSERT_EQ(unit.process(frame_of(first, 1)).landmarks.size(), 1U);
+  for (const auto* picture : {&turned.luma, &goes_on.luma}) {
+    const Fix& fix = unit.process(frame_of(*picture, picture == &turned.luma ? 2 : 3));
+    ASSERT_EQ(fix.landmarks.size(), 1U);
+    EXPECT_EQ(fix.main().id, 11);
+  }
+}
+
+/// At four times the distance it is another sheet's, wherever it is seen.
+TEST(RoomLocaliser, DoesNotTakeASheetElsewhereForTheOneThatWasNearer) {
+  test::Viewpoint viewpoint = kFromAside;
+  viewpoint.distance_m = 1;
+  const test::ColourPicture near = coded_picture("KRGBKKRB", viewpoint, 3);
+  viewpoint.distance_m = 4;
+  viewpoint.off_axis_x_rad = 0.09;
+  const test::ColourPicture far = coded_picture("KRGBKKRB", viewpoint, 4);
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_codes()});
+  ASSERT_EQ(unit.process(frame_of(near, 1)).landmarks.size(), 1U);
+  EXPECT_EQ(unit.process(frame_of(far.luma, 2)).reason, Reason::kNotIdentified);
+}
+
 TEST(RoomLocaliser, KnowsWhoIsInViewBeyondAChangeOfTheMapAndForgetsWhoIsNotInItAnyMore) {
   test::Viewpoint viewpoint = kFromAside;
   viewpoint.distance_m = 1.4;

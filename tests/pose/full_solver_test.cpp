@@ -205,6 +205,31 @@ TEST(FullSolver, ErrsWithinItsCovarianceWhereViewsAreNearlyFrontal) {
   EXPECT_LT(error_over_sigma, 1.15);
 }
 
+/// From in front a distant sheet's tilt is anyone's guess; direction and distance are not.
+TEST(FullSolver, AnswersWithATiltThatItDoesNotKnowToWhoHasOtherLandmarks) {
+  const test::Scene scene = scene_at({.distance_m = 7.5, .tilt_rad = 2 * kDegree}, 5);
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  FullSolver alone(CameraModel{}, LandmarkGeometry{}),
+      among_others(CameraModel{}, LandmarkGeometry{}, {.most_sigma = 1});
+  int answered = 0;
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    const test::Picture picture = test::render(scene, seed);
+    const auto seen = detector.find_landmarks(picture.view());
+    ASSERT_TRUE(seen);
+    int pixels = WorkBudget{}.pixels;
+    const auto refused = alone.solve(picture.view(), seen->front(), nullptr, pixels);
+    if (refused) continue;
+    EXPECT_EQ(refused.error().code, Errc::kPoseDegenerate);
+    const auto answer = among_others.solve(picture.view(), seen->front(), nullptr, pixels);
+    ASSERT_TRUE(answer) << seed;
+    ++answered;
+    const Eigen::Vector3d t_m = answer->list[0].pose.T_landmark_camera.inverse().translation_m;
+    EXPECT_LT(t_m.head<2>().norm() / t_m.z(), 0.0005) << seed;
+    EXPECT_NEAR(t_m.z(), 7.5, 0.3) << seed;
+  }
+  EXPECT_GT(answered, 0) << "or these pictures test nothing";
+}
+
 TEST(FullSolver, ReportsTheFoundingPapersQuantities) {
   const auto pose = pose_of(test::render(scene_at({.distance_m = 1.3, .tilt_rad = 35 * kDegree}), 5));
   ASSERT_TRUE(pose.has_value());

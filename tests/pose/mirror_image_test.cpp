@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "base/units.h"
 
@@ -37,6 +38,29 @@ TEST(MirrorImage, HasItsNormalOnTheOtherSideOfTheLineOfSightAtEveryTilt) {
             << distance_m << " m, " << tilt_deg << " degrees";
         EXPECT_LT(angle_between_rad(T, mirror), 2.2 * tilt_deg * kRadPerDeg);
       }
+}
+
+/// Between a pose that is tilted by 0.3 rad and its mirror image, each dot known to a twentieth of a pixel.
+double evidence_at(double distance_m, double pattern_px) {
+  constexpr double kFocal_px = 600;
+  const CameraFromLandmark T = seen_from(distance_m, 0.3, 0.3);
+  DotSightings dots;
+  for (DotSighting& dot : dots) dot.information = Eigen::Matrix2d::Identity() * std::pow(20 * kFocal_px, 2);
+  const LandmarkGeometry landmark;
+  return evidence_of_places(T, mirror_image(T, landmark), dots, pattern_px / kFocal_px, landmark);
+}
+
+TEST(EvidenceOfPlaces, IsWithoutDoubtNearByAndLittleFarAway) {
+  EXPECT_GT(evidence_at(1.0, 0.1), 100);
+  EXPECT_LT(evidence_at(6.0, 0.1), 9) << "kUndecided_chi2: the dots of the two lie 0.05 px apart";
+  EXPECT_GT(evidence_at(6.0, 0.1), 0.5);
+  EXPECT_LT(evidence_at(9.0, 0.1), evidence_at(6.0, 0.1));
+  EXPECT_GT(evidence_at(6.0, 0), 1.5 * evidence_at(6.0, 0.1)) << "a picture without a pattern says more";
+}
+
+TEST(EvidenceOfPlaces, IsNoneOfDotsThatAreNotSeen) {
+  const CameraFromLandmark T = seen_from(1, 0.3, 0.3);
+  EXPECT_EQ(evidence_of_places(T, mirror_image(T, {}), DotSightings{}, 0.001, {}), 0);
 }
 
 }  // namespace

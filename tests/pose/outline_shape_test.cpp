@@ -101,21 +101,24 @@ TEST(OutlineShape, TellsDotsOfGrowingSize) {
   EXPECT_FALSE(looked->fits);
 }
 
-/// Where dots are small. Nearer it is an outlier, which counts as hidden, and what hides it should hide the ring.
-TEST(OutlineShape, TellsAMiddleThatIsAside) {
+/// P9 of another place or size, where dots are small: nearer it is an outlier, which counts as hidden, and what hides
+/// it should hide the ring.
+std::optional<Looked> with_other_middle(double aside_radii, double larger_radii) {
   test::Sheet sheet = test::nine_dot_sheet();
-  sheet.discs[8].x_m += 0.24 * kDot_m;
-  const auto looked = look_at(sheet, {.distance_m = 5, .tilt_rad = 0.4, .azimuth_rad = 0.7});
+  sheet.discs[8].x_m += aside_radii * kDot_m;
+  sheet.discs[8].radius_m += larger_radii * kDot_m;
+  return look_at(sheet, {.distance_m = 5, .tilt_rad = 0.4, .azimuth_rad = 0.7});
+}
+
+TEST(OutlineShape, TellsAMiddleThatIsAside) {
+  const auto looked = with_other_middle(0.24, 0);
   ASSERT_TRUE(looked) << "or this picture tests nothing";
   EXPECT_NEAR(looked->candidate.shape.centre, 0.23, 0.02);
   EXPECT_FALSE(looked->fits);
 }
 
-/// Where dots are small, likewise.
 TEST(OutlineShape, TellsAMiddleThatIsTooLarge) {
-  test::Sheet sheet = test::nine_dot_sheet();
-  sheet.discs[8].radius_m += 0.25 * kDot_m;
-  const auto looked = look_at(sheet, {.distance_m = 5, .tilt_rad = 0.4, .azimuth_rad = 0.7});
+  const auto looked = with_other_middle(0, 0.25);
   ASSERT_TRUE(looked) << "or this picture tests nothing";
   EXPECT_NEAR(looked->candidate.shape.centre_size, 0.2, 0.06);
   EXPECT_FALSE(looked->fits);

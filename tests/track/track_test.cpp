@@ -77,11 +77,28 @@ TEST(Track, KnowsNothingBeforeItsFirstPose) {
 
 TEST(Track, ForetellsAllSixFreedomsFromTheLastTwoPoses) {
   Track track({.focal_px = kFocal_px});
-  taken(track, readings({reading(sheet_at(0.30, 0.00))}), MonoTime(1s));
-  taken(track, readings({reading(sheet_at(0.32, 0.01))}), MonoTime(1s + 20ms));
+  for (int frame = 0; frame < 2; ++frame) {
+    PoseCandidate exact = reading(sheet_at(0.30 + 0.02 * frame, 0.01 * frame));
+    exact.pose.covariance *= 1e-8;
+    taken(track, readings({exact}), MonoTime(1s + frame * 20ms));
+  }
   const CameraFromLandmark expected = track.expected_at(MonoTime(1s + 40ms));
   EXPECT_LT(angle_between_rad(expected, sheet_at(0.34)), 1e-9);
   EXPECT_NEAR(expected.translation_m.x(), 0.02, 1e-12);
+}
+
+TEST(Track, TakesADifferenceOfTwoPoorlyKnownTiltsForNoise) {
+  const auto turn_rad = [](double sigma_rad) {
+    Track track({.focal_px = kFocal_px});
+    for (int frame = 0; frame < 2; ++frame) {
+      PoseCandidate seen = reading(sheet_at(0.3 + 0.1 * frame));
+      seen.pose.covariance.bottomRightCorner<3, 3>() = Eigen::Matrix3d::Identity() * sigma_rad * sigma_rad;
+      taken(track, readings({seen}), MonoTime(1s + frame * 20ms));
+    }
+    return angle_between_rad(track.expected_at(MonoTime(1s + 40ms)), sheet_at(0.4));
+  };
+  EXPECT_NEAR(turn_rad(1e-3), 0.1, 0.001) << "turned by a tenth, and goes on";
+  EXPECT_LT(turn_rad(0.1), 0.003) << "it may have turned or not";
 }
 
 TEST(Track, FollowsOutlinesOnlyWhileTheyAreForetoldToHalfAPixel) {
@@ -133,6 +150,14 @@ TEST(Track, ForetellsTheMiddleRowAlthoughTheFirstFitsKnewNoMotion) {
     EXPECT_NEAR(track.motion_at(next)->translation_m_s.x(), kSpeed_m_s, 1e-4) << frame;
     EXPECT_NEAR(track.expected_at(next).translation_m.x(), kSpeed_m_s * 0.020 * (frame + 1), 2e-6) << frame;
   }
+}
+
+TEST(Track, IsSureOfItsNumbersOnceColoursHaveToldThem) {
+  Track track({.focal_px = kFocal_px});
+  taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));
+  EXPECT_EQ(track.forecast(MonoTime(1s + 20ms)).numbers, ForecastNumbers::kForetold);
+  track.know_numbering();
+  EXPECT_EQ(track.forecast(MonoTime(1s + 20ms)).numbers, ForecastNumbers::kCertain);
 }
 
 TEST(Track, TakesOtherNumbersForNoMotion) {

@@ -52,7 +52,7 @@ TEST(MapChanges, APlaceIsUnchangedToTheLastBitOnly) {
 
 TEST(MovedLandmarks, WhatIsKnownOfOneGoesOverToAnotherMap) {
   MovedLandmarks before(2, 3), now(4, 3);
-  before.disagrees(1);
+  before.disagrees(1, 500);
   before.agrees(1);
   now.carry_over(before, 1, 2);
   EXPECT_TRUE(now.is_moved(2));

@@ -135,12 +135,12 @@ TEST(WorldMoved, ASheetBesideItsReflectionWasNotMoved) {
 
 TEST(MovedLandmarks, AreForgivenAfterTheyAgreedForAWhileWithoutABreak) {
   MovedLandmarks moved(1000, 3);
-  moved.disagrees(999);
+  moved.disagrees(999, 500);
   EXPECT_TRUE(moved.is_moved(999));
   EXPECT_FALSE(moved.is_moved(998));
   moved.agrees(999);
   moved.agrees(999);
-  moved.disagrees(999);  // from the beginning
+  moved.disagrees(999, 500);  // from the beginning
   moved.agrees(999);
   moved.agrees(999);
   EXPECT_TRUE(moved.is_moved(999));
@@ -148,6 +148,22 @@ TEST(MovedLandmarks, AreForgivenAfterTheyAgreedForAWhileWithoutABreak) {
   EXPECT_FALSE(moved.is_moved(999));
   moved.agrees(999);
   EXPECT_FALSE(moved.is_moved(999));
+}
+
+/// What disagrees a little more than chance does may be chance.
+TEST(MovedLandmarks, AreForgivenTheSoonerTheLessTheyDisagreed) {
+  MovedLandmarks moved(1, 35);
+  moved.disagrees(0, 1.2);
+  EXPECT_TRUE(moved.is_moved(0)) << "for now";
+  moved.agrees(0);
+  EXPECT_TRUE(moved.is_moved(0));
+  moved.agrees(0);
+  EXPECT_FALSE(moved.is_moved(0));
+  for (int frame = 0; frame < 4; ++frame) moved.disagrees(0, 8);  // again and again
+  for (int frame = 0; frame < 31; ++frame) moved.agrees(0);
+  EXPECT_TRUE(moved.is_moved(0));
+  moved.agrees(0);
+  EXPECT_FALSE(moved.is_moved(0));
 }
 
 }  // namespace

@@ -1,0 +1,197 @@
+// From the landmarks in view to the camera's place in the world, and back: what the world says of each.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "geometry/renumbered.h"
+#include "pipeline/room_localiser.h"
+#include "pose/mirror_image.h"
+#include "pose/renumbered_candidates.h"
+
+namespace ninedot {
+namespace {
+
+/// A mirror image that is worse by more is excluded: as where it isn't refined (pose/full_solver.cpp).
+constexpr double kExcluded_chi2 = 60;
+
+/// Odds that one or the other is wrong.
+double either(double a_odds, double b_odds) noexcept { return 1 - (1 - a_odds) * (1 - b_odds); }
+
+/// Known well enough to be acted on: as each landmark's own pose has to be.
+bool is_certain(const WorldPose& world, double nearest_m, const TrustLimits& limits) noexcept {
+  return std::sqrt(world.covariance.topLeftCorner<3, 3>().trace()) <= limits.max_sigma_share * nearest_m;
+}
+
+}  // namespace
+
+WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
+  InlineVector<SightedLandmark, kMaxSightings> sighted;
+  InlineVector<std::size_t, kMaxSightings> which;  // index in in_view_
+  for (std::size_t i = 0; i < in_view_.size(); ++i) {
+    const InView& landmark = in_view_[i];
+    if (!landmark.identity) continue;
+    const PoseCandidate& believed = landmark.candidates.list[landmark.chosen];
+    SightedLandmark seen;
+    seen.sighting = {0, believed.pose.T_landmark_camera.inverse(), believed.dots};
+    widen_by_scatter(seen.sighting, options_.seeker.landmark);
+    widen(seen.sighting, landmark.row_motion.uncertainty, camera_);
+    for (std::size_t other = 0; other < landmark.candidates.list.size(); ++other) {
+      const PoseCandidate& mirror = landmark.candidates.list[other];
+      const double above_chi2 = mirror.chi2_above - believed.chi2_above;
+      if (other == landmark.chosen || !mirror.refined || above_chi2 > kExcluded_chi2) continue;
+      seen.mirror = mirror.pose.T_landmark_camera.inverse();
+      seen.mirror_chi2_above = above_chi2;
+    }
+    seen.coded = landmark.identity->coded;
+    seen.others_odds = landmark.identity->others_odds;
+    if (!seen.coded)
+      seen.numbering_costs =
+          upright_costs(seen.sighting.T_camera_landmark, options_.seeker.landmark, options_.seeker.detector.upright);
+    (void)sighted.try_push_back(seen);  // as many as are in view
+    (void)which.try_push_back(i);
+  }
+  const auto forecast = filter_.forecast(frame.exposed_at());
+  const WorldPrior prior = forecast ? WorldPrior{forecast->T_world_camera, forecast->covariance} : WorldPrior{};
+  WorldPose world = room_->world.solve(sighted.span(), forecast ? &prior : nullptr);
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const SightedLandmark& seen : sighted)
+    nearest_m = std::min(nearest_m, seen.sighting.T_camera_landmark.translation_m.norm());
+  const UsedSightings used(world, sighted.span(), room_->map);
+  follow_in_world(frame, world, sighted.span(), used);
+  add_calibration_error(used.members.span(), world);
+  if (world.is_valid() && !is_certain(world, nearest_m, options_.trust)) world.verdict = WorldVerdict::kUndetermined;
+  report_world(world, sighted.span(), which.span());
+  return world.verdict;
+}
+
+RoomLocaliser::UsedSightings::UsedSightings(const WorldPose& world, std::span<const SightedLandmark> sighted,
+                                            const LandmarkMap& map) noexcept {
+  for (std::size_t i = 0; i < sighted.size(); ++i) {
+    const SightingVerdict& verdict = world.sightings[i];
+    if (verdict.use != SightingUse::kUsed || !verdict.landmark) continue;
+    const MappedLandmark& landmark = map.landmarks()[*verdict.landmark];
+    const int turn = static_cast<int>(verdict.turn);
+    numbered[i] = {landmark.id, renumbered(sighted[i].sighting.T_camera_landmark, turn),
+                   renumbered(sighted[i].sighting.dots, turn)};
+    (void)members.try_push_back({&numbered[i], landmark.T_world_landmark, &landmark.covariance});
+  }
+}
+
+/// The track of the camera: by what the world pose is made of. A frame whose readings are open offers them all.
+void RoomLocaliser::follow_in_world(const Frame& frame, const WorldPose& world,
+                                    std::span<const SightedLandmark> sighted, const UsedSightings& used) noexcept {
+  InlineVector<WorldReading, PoseFilter::kMaxReadings> readings;
+  (void)readings.try_push_back({world.T_world_camera, 0, 0});
+  for (std::size_t i = 0; i < sighted.size(); ++i) {
+    const SightingVerdict& verdict = world.sightings[i];
+    if (verdict.use != SightingUse::kUsed || !verdict.landmark || !sighted[i].mirror) continue;
+    const MappedLandmark& landmark = room_->map.landmarks()[*verdict.landmark];
+    const int turn = static_cast<int>(verdict.turn);
+    const auto camera_by = [&](const CameraFromLandmark& T) {
+      return landmark.T_world_landmark * renumbered(T, turn).inverse();
+    };
+    (void)readings.try_push_back({camera_by(sighted[i].sighting.T_camera_landmark), 0, 0});  // the best come first
+    (void)readings.try_push_back({camera_by(*sighted[i].mirror), sighted[i].mirror_chi2_above, 0});
+  }
+  // One coded landmark whose mirror image is open: the track knows better, or will.
+  const bool is_known = world.is_valid() || (world.verdict == WorldVerdict::kAmbiguous && used.members.size() == 1 &&
+                                             sighted.size() == 1 && sighted[0].coded);
+  if (is_known && !used.members.empty())
+    note_carriers(world, filter_.take(frame.exposed_at(), used.members.span(), readings.span()));
+  fix_.track = filter_.at(frame.exposed_at());
+}
+
+/// Once for all landmarks and all frames.
+void RoomLocaliser::add_calibration_error(std::span<const JointMember> used, WorldPose& world) noexcept {
+  if (!calibration_error_.is_known()) return;
+  if (!used.empty()) {
+    calibration_share_ = calibration_error_.share_of(used, world.T_world_camera);
+    world.covariance += calibration_share_;
+  }
+  if (fix_.track) fix_.track->covariance.topLeftCorner<6, 6>() += calibration_share_;
+}
+
+/// What the track stands on.
+void RoomLocaliser::note_carriers(const WorldPose& world, FilterVerdict verdict) noexcept {
+  if (verdict == FilterVerdict::kStarted) std::ranges::fill(room_->carries_track, std::uint8_t{0});
+  if (verdict != FilterVerdict::kStarted && verdict != FilterVerdict::kTaken) return;
+  for (const SightingVerdict& sighting : world.sightings)
+    if (sighting.use == SightingUse::kUsed && sighting.landmark) room_->carries_track[*sighting.landmark] = 1;
+}
+
+/// What the picture says of each landmark, and of the camera in the world.
+void RoomLocaliser::report_world(const WorldPose& world, std::span<const SightedLandmark> sighted,
+                                 std::span<const std::size_t> which) noexcept {
+  if (world.is_valid()) fix_.world = WorldFix{world.T_world_camera, world.covariance, world.ambiguity, {}, {}};
+  for (std::size_t i = 0; i < sighted.size(); ++i) {
+    const SightingVerdict& verdict = world.sightings[i];
+    const std::optional<std::size_t> map_index = sighted[i].coded ? sighted[i].coded : verdict.landmark;
+    if (!map_index) continue;
+    InView& landmark = in_view_[which[i]];
+    const std::uint16_t id = room_->map.landmarks()[*map_index].id;
+    const bool is_used = world.is_valid() && verdict.use == SightingUse::kUsed;
+    if (is_used) believe_world(landmark, *map_index, verdict.turn, world);
+    if (is_used) (void)fix_.world->used.try_push_back(id);
+    if (world.is_valid() && verdict.use == SightingUse::kRejected) (void)fix_.world->rejected.try_push_back(id);
+    add_fix(landmark, *map_index, verdict, world);
+  }
+}
+
+/// Of a landmark's two planar solutions the one that the world's pose says.
+void RoomLocaliser::believe_world(InView& landmark, std::size_t map_index, std::size_t turn,
+                                  const WorldPose& world) noexcept {
+  const CameraFromLandmark expected = renumbered(
+      world.T_world_camera.inverse() * room_->map.landmarks()[map_index].T_world_landmark, -static_cast<int>(turn));
+  const auto turn_rad = [&](const PoseCandidate& candidate) {
+    return angle_between_rad(expected, candidate.pose.T_landmark_camera.inverse());
+  };
+  auto& list = landmark.candidates.list;
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (list[i].refined && turn_rad(list[i]) < turn_rad(list[landmark.chosen])) landmark.chosen = i;
+  landmark.track.believe(landmark.candidates, landmark.chosen);
+}
+
+void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const SightingVerdict& verdict,
+                            const WorldPose& world) noexcept {
+  const MappedLandmark& mapped = room_->map.landmarks()[map_index];
+  const int turn = static_cast<int>(verdict.turn);
+  LandmarkFix fix;
+  fix.id = mapped.id;
+  fix.candidates =
+      turn == 0 ? landmark.candidates : renumbered(landmark.candidates, turn, camera_, options_.seeker.landmark);
+  fix.chosen = landmark.chosen;
+  PoseEstimate& pose = fix.candidates.list[fix.chosen].pose;
+  const bool is_used = world.is_valid() && verdict.use == SightingUse::kUsed;
+  widen(pose, landmark.row_motion.uncertainty, camera_);
+  if (calibration_error_.is_known()) {
+    const Matrix6d share = calibration_error_.share_of(fix.candidates.list[fix.chosen]);
+    pose.covariance += share;
+    fix.calibration_sigma_m = position_sigma_m(share);
+    fix.calibration_sigma_world_m = world.is_valid() ? position_sigma_m(calibration_share_) : fix.calibration_sigma_m;
+  }
+  // The world's odds have those of its landmarks' identities in them, where there is a track that tells otherwise.
+  const double others_odds = landmark.identity->others_odds;
+  pose.ambiguity = is_used ? std::max(world.ambiguity, others_odds) : either(pose.ambiguity, others_odds);
+  fix.sighting = {mapped.id, pose.T_landmark_camera.inverse(), fix.candidates.list[fix.chosen].dots};
+  fix.T_world_camera = world.is_valid() ? world.T_world_camera : mapped.T_world_landmark * pose.T_landmark_camera;
+  fix.covariance_world =
+      world.is_valid() ? world.covariance : covariance_in_world(pose.covariance, mapped.T_world_landmark);
+  fix.quality = pose_quality(pose);
+  fix.verdict = verdict_on(pose, true, options_.trust);
+  (void)fix_.landmarks.try_push_back(fix);
+  // The one that counts comes first: one that may be acted on, the nearest or surest of those.
+  const auto rank_m2 = [&](const LandmarkFix& f) {
+    return options_.main_landmark == MainLandmark::kSurest ? f.pose().covariance.topLeftCorner<3, 3>().trace()
+                                                           : f.pose().T_landmark_camera.translation_m.squaredNorm();
+  };
+  const auto comes_before = [&](const LandmarkFix& a, const LandmarkFix& b) {
+    const bool a_is_valid = a.verdict == Reason::kNone, b_is_valid = b.verdict == Reason::kNone;
+    return a_is_valid != b_is_valid ? a_is_valid : rank_m2(a) < rank_m2(b);
+  };
+  const std::size_t last = fix_.landmarks.size() - 1;
+  if (last > 0 && comes_before(fix_.landmarks[last], fix_.landmarks[0]))
+    std::swap(fix_.landmarks[0], fix_.landmarks[last]);
+}
+
+}  // namespace ninedot
