@@ -32,10 +32,10 @@ Result<void> ask_for_priority(int priority) noexcept {
 }  // namespace
 
 GpioPanTilt::GpioPanTilt(std::unique_ptr<DigitalOutput> pan, std::unique_ptr<DigitalOutput> tilt,
-                         const GpioPanTiltOptions& options, const ServoAxes& axes, const HeadAngles& neutral)
+                         const GpioPanTiltOptions& options, const ServoAxes& axes, const HeadAngles& at)
     : pan_line_(std::move(pan)), tilt_line_(std::move(tilt)), options_(options), axes_(axes) {
   EXPECTS(options.period > std::chrono::milliseconds(4));
-  move_to(neutral);
+  move_to(at);
   std::latch entered(1);
   thread_ = std::jthread([this, &entered](const std::stop_token& stop) {
     pthread_setname_np(pthread_self(), "servo pulses");

@@ -25,10 +25,10 @@ struct GpioPanTiltOptions {
 /// Threads: as PanTilt says, and one thread of its own, which shares atomics with the caller and no lock.
 class GpioPanTilt final : public PanTilt {
  public:
-  /// The outputs are driven by the pulse thread alone. Pulses begin at once. Waits until that thread knows its
-  /// priority.
+  /// The outputs are driven by the pulse thread alone. Pulses begin at once, those for `at`. Waits until that thread
+  /// knows its priority.
   GpioPanTilt(std::unique_ptr<DigitalOutput> pan, std::unique_ptr<DigitalOutput> tilt,
-              const GpioPanTiltOptions& options, const ServoAxes& axes, const HeadAngles& neutral);
+              const GpioPanTiltOptions& options, const ServoAxes& axes, const HeadAngles& at);
   /// Ends after the pulse that is under way, with both lines low: waits for it, a period at most.
   ~GpioPanTilt() override;
 

@@ -23,10 +23,10 @@ constexpr std::chrono::milliseconds kAskAgain{20};
 LatePanTilt::LatePanTilt(Open open, LatePanTiltOptions options)
     : open_(std::move(open)), options_(std::move(options)), given_up_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (!given_up_) throw StartupError(ExitStatus::kWorkFailed, "no more descriptors: raise the limit of open files");
-  last_.angles = options_.neutral;
+  last_.angles = options_.start;
   if (!options_.may_move || options_.may_move()) {
     try {
-      head_ = open_();
+      head_ = open_(last_.angles);
     } catch (const DeviceAbsent& absent) {
       problem_.set(absent.what());
       failed_ = true;
@@ -61,7 +61,8 @@ void LatePanTilt::run() noexcept {
       if (head_) problem_.set("the head takes no commands");
       head_.reset();
       if (!wait_until_allowed()) return;
-      head_ = try_open(open_, problem_);
+      const std::function<std::unique_ptr<PanTilt>()> open = [this] { return open_(last_.angles); };
+      head_ = try_open(open, problem_);
       if (head_) {
         options_.backoff.reset();
         hand_over();
@@ -117,6 +118,7 @@ HeadState LatePanTilt::state() const noexcept {
     return last_;
   }
   HeadState state = last_;
+  state.absent = true;
   state.failed = failed_.load(std::memory_order_relaxed);
   return state;
 }

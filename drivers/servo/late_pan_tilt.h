@@ -2,7 +2,7 @@
 /// A head whose device may come late, or go and come back: looked for by a thread of its own, never by the frame loop.
 ///
 ///     ABSENT   the thread opens the head, with pauses between its attempts; `state` says failed once one has been made
-///       | opened, and not before `may_move` allows it, because a head goes to its neutral position as it is opened
+///       | opened, and not before `may_move` allows it, because a servo may move as it gets its first pulse
 ///     PRESENT  the caller uses the head
 ///       | the head has failed for kGiveUpAfter
 ///     ABSENT   the thread closes it, and opens it again
@@ -20,7 +20,7 @@
 namespace ninedot {
 
 struct LatePanTiltOptions {
-  HeadAngles neutral;  ///< what `state` says before the head has been there
+  HeadAngles start;  ///< where it is taken to be before it has been there
   /// Whether the head may move now; asked by the thread. Empty: always.
   std::function<bool()> may_move;
   /// Close and open a head that has failed. False for heads that do so themselves.
@@ -31,7 +31,8 @@ struct LatePanTiltOptions {
 /// Memory: none by the caller. Threads: one caller of move_to, stop and state.
 class LatePanTilt final : public PanTilt {
  public:
-  using Open = std::function<std::unique_ptr<PanTilt>()>;
+  /// \param at  where the head is taken to be: where it was last, or LatePanTiltOptions::start
+  using Open = std::function<std::unique_ptr<PanTilt>(const HeadAngles& at)>;
   /// A head that refuses every command for so long is taken for gone: 35 frames at the usual rate, so that one refused
   /// write does not close it.
   static constexpr std::chrono::seconds kGiveUpAfter{1};
@@ -45,7 +46,7 @@ class LatePanTilt final : public PanTilt {
   /// As the head's own; nothing while it is absent. A target that is still wanted is said again at the next frame.
   void move_to(const HeadAngles& angles) noexcept override;
   void stop() noexcept override;
-  /// While the head is absent: the angles of its last state, failed unless no attempt has been made yet.
+  /// While the head is absent: absent, the angles of its last state, failed unless no attempt has been made yet.
   HeadState state() const noexcept override;
 
   /// Why there is no head, or that it failed when `state` was asked last; empty: all is well. Any thread.
@@ -66,7 +67,7 @@ class LatePanTilt final : public PanTilt {
   std::atomic<bool> failed_{false};               // an attempt to open it
   mutable std::atomic<bool> head_failed_{false};  // the head that is there
 
-  // Of the caller.
+  // Of the caller, who changes it while the head is there; then, of both, to be read.
   mutable HeadState last_;
   std::optional<MonoTime> failing_since_;
 

@@ -38,9 +38,9 @@ std::unique_ptr<DigitalOutput> switched_on(std::unique_ptr<DigitalOutput> power)
 
 }  // namespace
 
-std::unique_ptr<PanTilt> PoweredHeadOpener::open() {
-  const auto open_servos = [this] {
-    if (!servos_) servos_ = open_servos_();
+std::unique_ptr<PanTilt> PoweredHeadOpener::open(const HeadAngles& at) {
+  const auto open_servos = [&] {
+    if (!servos_) servos_ = open_servos_(at);
   };
   if (power_comes_ == PowerComes::kLast) open_servos();
   if (open_power_ && !power_) power_ = switched_on(open_power_());

@@ -18,7 +18,8 @@ enum class PowerComes : std::uint8_t {
 /// is missing is not opened again and again, and a camera that starts up keeps its power. Threads: one at a time.
 class PoweredHeadOpener {
  public:
-  using OpenServos = std::function<std::unique_ptr<PanTilt>()>;
+  /// \param at  where the head is taken to be
+  using OpenServos = std::function<std::unique_ptr<PanTilt>(const HeadAngles& at)>;
   using OpenPower = std::function<std::unique_ptr<DigitalOutput>()>;
 
   /// Both throw as drivers do. \param open_power  empty: the servos have power anyway
@@ -26,7 +27,7 @@ class PoweredHeadOpener {
       : open_servos_(std::move(open_servos)), open_power_(std::move(open_power)), power_comes_(power_comes) {}
 
   /// Throws what they throw; DeviceAbsent where the power can't be switched on.
-  std::unique_ptr<PanTilt> open();
+  std::unique_ptr<PanTilt> open(const HeadAngles& at);
 
  private:
   const OpenServos open_servos_;

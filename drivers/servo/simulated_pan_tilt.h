@@ -7,7 +7,7 @@ namespace ninedot {
 /// Memory: inside. Threads: one caller for all methods; nothing waits.
 class SimulatedPanTilt : public PanTilt {
  public:
-  SimulatedPanTilt(const ServoAxes& axes, const HeadAngles& neutral) noexcept : axes_(axes) { move_to(neutral); }
+  SimulatedPanTilt(const ServoAxes& axes, const HeadAngles& at) noexcept : axes_(axes) { move_to(at); }
   void move_to(const HeadAngles& angles) noexcept override {
     const ServoAxis::Output pan = axes_.pan.output_at(angles.pan_rad), tilt = axes_.tilt.output_at(angles.tilt_rad);
     state_.angles = {axes_.pan.angle_at(pan.value), axes_.tilt.angle_at(tilt.value)};

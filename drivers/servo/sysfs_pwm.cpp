@@ -65,7 +65,28 @@ void export_channel(const std::string& chip_folder, const std::string& channel_f
   }
 }
 
+double us_of(std::chrono::nanoseconds pulse) noexcept { return static_cast<double>(pulse.count()) * 1e-3; }
+
+/// The pulse to begin with. A servo that a crash left under power stands where its pulse says: it goes on from there.
+std::chrono::nanoseconds first_pulse(const SysfsPanTiltOptions& options, const std::string& chip, int channel,
+                                     const ServoAxis& axis, double angle_rad) {
+  if (const auto running = running_pulse(options.root, chip, channel)) {
+    if (!axis.output_at(axis.angle_at(us_of(*running))).limited) return *running;
+  }
+  return pulse_from_us(axis.output_at(angle_rad).value);
+}
+
 }  // namespace
+
+std::optional<std::chrono::nanoseconds> running_pulse(const std::string& root, const std::string& chip, int channel) {
+  const std::string folder = fmt::format("{}/pwm{}", find_pwm_chip(root, chip), channel);
+  int enabled = 0;
+  std::int64_t pulse_ns = 0;
+  std::ifstream(folder + "/enable") >> enabled;
+  std::ifstream(folder + "/duty_cycle") >> pulse_ns;
+  if (enabled != 1 || pulse_ns <= 0) return std::nullopt;
+  return std::chrono::nanoseconds(pulse_ns);
+}
 
 std::string find_pwm_chip(const std::string& root, const std::string& chip) {
   std::vector<std::string> others;
@@ -125,13 +146,13 @@ Result<void> SysfsPwm::set_pulse(std::chrono::nanoseconds pulse) noexcept {
   return {};
 }
 
-SysfsPanTilt::SysfsPanTilt(const SysfsPanTiltOptions& options, const ServoAxes& axes, const HeadAngles& neutral)
+SysfsPanTilt::SysfsPanTilt(const SysfsPanTiltOptions& options, const ServoAxes& axes, const HeadAngles& at)
     : axes_(axes),
       pan_(options.root, options.pan_chip, options.pan_channel, options.period,
-           pulse_from_us(axes.pan.output_at(neutral.pan_rad).value)),
+           first_pulse(options, options.pan_chip, options.pan_channel, axes.pan, at.pan_rad)),
       tilt_(options.root, options.tilt_chip, options.tilt_channel, options.period,
-            pulse_from_us(axes.tilt.output_at(neutral.tilt_rad).value)) {
-  move_to(neutral);
+            first_pulse(options, options.tilt_chip, options.tilt_channel, axes.tilt, at.tilt_rad)) {
+  state_.angles = {axes.pan.angle_at(us_of(pan_.pulse())), axes.tilt.angle_at(us_of(tilt_.pulse()))};
 }
 
 void SysfsPanTilt::move_to(const HeadAngles& angles) noexcept {

@@ -2,6 +2,7 @@
 /// Servo pulses by a PWM of the kernel (Documentation/ABI/testing/sysfs-class-pwm). Hardware keeps their time.
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "aim/servo_axis.h"
@@ -28,6 +29,8 @@ class SysfsPwm {
   /// Writes one number to the kernel; nothing when it is the one before. A processor's own PWM does not wait; a chip
   /// behind I2C (PCA9685) waits for the bus. Memory: none. \error  kIo with errno
   Result<void> set_pulse(std::chrono::nanoseconds pulse) noexcept;
+  /// The one that was set last.
+  std::chrono::nanoseconds pulse() const noexcept { return std::chrono::nanoseconds(pulse_ns_); }
 
  private:
   std::string chip_folder_;
@@ -36,6 +39,10 @@ class SysfsPwm {
   FileDescriptor duty_;
   std::int64_t pulse_ns_ = -1;
 };
+
+/// What a channel is sending at this moment, because a crash left it running; none: it does not run. Throws as
+/// find_pwm_chip does.
+std::optional<std::chrono::nanoseconds> running_pulse(const std::string& root, const std::string& chip, int channel);
 
 /// The folder of a chip: "/sys/class/pwm/pwmchip2". Throws as SysfsPwm does.
 std::string find_pwm_chip(const std::string& root, const std::string& chip);
@@ -53,7 +60,8 @@ struct SysfsPanTiltOptions {
 /// Threads: as PanTilt says; `move_to` may wait as SysfsPwm::set_pulse does, twice.
 class SysfsPanTilt final : public PanTilt {
  public:
-  SysfsPanTilt(const SysfsPanTiltOptions& options, const ServoAxes& axes, const HeadAngles& neutral);
+  /// \param at  where the head is taken to be; an axis whose channel still runs is where its pulse says
+  SysfsPanTilt(const SysfsPanTiltOptions& options, const ServoAxes& axes, const HeadAngles& at);
   void move_to(const HeadAngles& angles) noexcept override;
   /// A servo stands where its pulse says; nothing is under way that could be ended.
   void stop() noexcept override {}

@@ -24,6 +24,7 @@
 namespace ninedot {
 namespace {
 
+constexpr int kBaud = 9600;  // of VISCA
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
 /// One word, so that the frame loop and the thread never wait for each other, whatever their priorities.
@@ -100,8 +101,8 @@ std::string cannot_start(const ViscaOptions& options, const ViscaDialogue& dialo
                      options.device, options.address);
 }
 
-ViscaTty open_or_refuse(const std::string& device) {
-  auto tty = ViscaTty::open(device);
+SerialLine open_or_refuse(const std::string& device) {
+  auto tty = SerialLine::open(device, kBaud);
   if (!tty) refuse_device(cannot_open(device, tty.error().os_errno), tty.error().os_errno);
   return *std::move(tty);
 }
@@ -110,7 +111,7 @@ ViscaTty open_or_refuse(const std::string& device) {
 
 void check_visca_port(const std::string& device) { open_or_refuse(device); }
 
-ViscaPanTilt::ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes, const HeadAngles& neutral)
+ViscaPanTilt::ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes)
     : options_(checked(options)),
       axes_(axes),
       zoom_table_(options_.zoom_table),
@@ -120,7 +121,6 @@ ViscaPanTilt::ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes, c
       ordered_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (!ordered_) throw StartupError(ExitStatus::kWorkFailed, "no more descriptors: raise the limit of open files");
   start();
-  move_to(neutral);
   thread_ = std::thread([this]() noexcept { run(); });
 }
 
@@ -157,6 +157,7 @@ void ViscaPanTilt::stop() noexcept { leave_order(ViscaOrder::Kind::kStop, {}); }
 HeadState ViscaPanTilt::state() const noexcept {
   const std::uint32_t word = position_.load(std::memory_order_acquire);
   HeadState state;
+  state.measured = true;
   state.angles.pan_rad = axes_.pan.angle_at(static_cast<std::int16_t>(word >> 16U));
   state.angles.tilt_rad = axes_.tilt.angle_at(static_cast<std::int16_t>(word & 0xFFFFU));
   state.limited = limited_;
@@ -200,7 +201,7 @@ void ViscaPanTilt::run() noexcept {
 bool ViscaPanTilt::reopen() noexcept {
   // An order that comes meanwhile is not forgotten; nobody is there to hear it.
   while (!is_rung_within(stop_, backoff_.next())) {
-    auto tty = ViscaTty::open(options_.device);
+    auto tty = SerialLine::open(options_.device, kBaud);
     if (!tty) continue;
     tty_.emplace(*std::move(tty));
     dialogue_.begin(mono_now());

@@ -12,9 +12,9 @@
 #include "aim/servo_axis.h"
 #include "drivers/posix/backoff.h"
 #include "drivers/posix/file_descriptor.h"
+#include "drivers/servo/serial_line.h"
 #include "drivers/servo/visca_dialogue.h"
 #include "drivers/servo/visca_options.h"
-#include "drivers/servo/visca_tty.h"
 #include "drivers/servo/visca_zoom_table.h"
 
 namespace ninedot {
@@ -26,13 +26,13 @@ namespace ninedot {
 /// each and an eventfd: neither ever waits for the other. Memory: the constructor's.
 class ViscaPanTilt final : public PanTilt {
  public:
-  /// Sets addresses and zoom, asks for the position, and sends the head to `neutral` without waiting for its arrival.
+  /// Sets addresses and zoom, and asks for the position, where the head stays until it is told to move.
   /// \param axes  angles to steps as the camera counts them
   /// Waits for the camera: as long as its lens takes, zoom_timeout at most.
   /// Throws StartupError(kWrongUsage), one line that says what to do, for an option out of its range and for a device
   /// that is no serial port; DeviceAbsent for a port that can't be opened, and when no camera answers within
   /// answer_timeout or the lens does not reach its zoom.
-  ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes, const HeadAngles& neutral);
+  ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes);
   /// A motion under way goes on to its target. Waits for the thread, which waits for nobody by then.
   ~ViscaPanTilt() override;
 
@@ -73,7 +73,7 @@ class ViscaPanTilt final : public PanTilt {
   std::atomic<std::uint64_t> losses_{0};
 
   ViscaDialogue dialogue_;
-  std::optional<ViscaTty> tty_;
+  std::optional<SerialLine> tty_;
   Backoff backoff_;
   WakeUp stop_;
   FileDescriptor ordered_;  // an eventfd

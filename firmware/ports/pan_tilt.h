@@ -9,15 +9,18 @@ namespace ninedot {
 
 /// Trivially copyable: it crosses threads inside a report.
 struct HeadState {
-  HeadAngles angles;     ///< where the head stands: as reported by it, else as it was last told
-  bool limited = false;  ///< the last command was beyond a pulse limit and was cut there
-  bool failed = false;   ///< the newest command could not be carried out, or the head does not answer
+  HeadAngles angles;      ///< where the head stands: as reported by it, else as it was last told
+  bool measured = false;  ///< reported by the head itself; else it gets there some time after it was told
+  bool absent = false;    ///< it is not there: `angles` are where it is expected to be
+  bool limited = false;   ///< the last command was beyond a pulse limit and was cut there
+  bool failed = false;    ///< the newest command could not be carried out, or the head does not answer
   /// How far the widths of software-made pulses are off; 0 where hardware makes them.
   std::chrono::nanoseconds pulse_error_p99{}, pulse_error_max{};
   std::uint32_t losses = 0;  ///< how often the head fell silent or its line vanished
 };
 
-/// The constructor brings the head to its neutral position. Memory: none after construction.
+/// The constructor leaves the head where it is, as far as that is known; who moves it ramps from `state`. Memory: none
+/// after construction.
 ///
 /// Threads: main constructs and destroys it, before the frame loop begins and after it has ended; both may wait for the
 /// device. In between `move_to`, `stop` and `state` belong to one caller, the frame loop; the first two

@@ -29,12 +29,14 @@ struct Scope {
   mutable std::mutex mutex;
   std::vector<Edge> seen;
   std::atomic<int> error{0};
+  std::atomic<std::chrono::milliseconds> late_to_fall{0ms};
 };
 
 class ScopedLine final : public DigitalOutput {
  public:
   explicit ScopedLine(Scope& scope) : scope_(scope) {}
   Result<void> set(bool active) noexcept override {
+    if (!active) std::this_thread::sleep_for(scope_.late_to_fall.load());
     const std::lock_guard lock(scope_.mutex);
     scope_.seen.push_back({mono_now(), active});
     if (scope_.error != 0) return fail(Errc::kIo, "no such line", scope_.error);
@@ -128,6 +130,30 @@ TEST(PulseErrors, TellTheErrorBelowWhich99PercentLie) {
   unit.add(3ms);
   EXPECT_EQ(unit.p99(), 5us);
   EXPECT_EQ(unit.max(), 3ms);
+}
+
+TEST(PulseErrors, AreToldAboveAMillisecondAsWellWithinASixtyFourth) {
+  for (std::int64_t us = 1; us < 65536; us += us / 7 + 1) {
+    PulseErrors unit;
+    for (int i = 0; i < 100; ++i) unit.add(std::chrono::microseconds(us));
+    unit.add(200ms);
+    EXPECT_GE(unit.p99(), std::chrono::microseconds(us));
+    EXPECT_LE(unit.p99(), std::chrono::microseconds(us + 1 + us / 64)) << us;
+  }
+  PulseErrors beyond;
+  for (int i = 0; i < 100; ++i) beyond.add(300ms);
+  EXPECT_GE(beyond.p99(), 65ms) << "beyond the last bin";
+  EXPECT_LE(beyond.p99(), 300ms);
+}
+
+TEST(GpioPanTilt, MeasuresWhatALineThatIsLateAddsToItsPulses) {
+  Head head({});
+  head.pan.late_to_fall = head.tilt.late_to_fall = 3ms;
+  const std::size_t before = widths(head.pan).size() + 1;
+  wait_for_pulses(head.pan, before + 50);
+  const HeadState state = head.unit->state();
+  EXPECT_GE(state.pulse_error_max, 3ms);
+  EXPECT_GE(state.pulse_error_p99, 3ms);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 struct Cable {
   std::atomic<bool> is_there{false}, is_broken{false};
   std::atomic<int> attempts{0}, openings{0}, closings{0};
-  std::atomic<double> pan_rad{-1};
+  std::atomic<double> pan_rad{-1}, taken_to_be_at_rad{-1};
 };
 
 class CableHead final : public PanTilt {
@@ -39,8 +39,9 @@ class CableHead final : public PanTilt {
 };
 
 LatePanTilt::Open opener(Cable& cable) {
-  return [&cable]() -> std::unique_ptr<PanTilt> {
+  return [&cable](const HeadAngles& at) -> std::unique_ptr<PanTilt> {
     ++cable.attempts;
+    cable.taken_to_be_at_rad = at.pan_rad;
     if (!cable.is_there) throw DeviceAbsent("no such head");
     return std::make_unique<CableHead>(cable);
   };
@@ -49,7 +50,7 @@ LatePanTilt::Open opener(Cable& cable) {
 /// Impatient, so that tests are short.
 LatePanTiltOptions soon() {
   LatePanTiltOptions options;
-  options.neutral = {0.25, -0.5};
+  options.start = {0.25, -0.5};
   options.backoff = Backoff(2ms, 10ms);
   return options;
 }
@@ -69,6 +70,8 @@ TEST(LatePanTilt, IsTheHeadItselfWhenItIsThereAtTheStart) {
   cable.is_there = true;
   LatePanTilt head(opener(cable), soon());
   EXPECT_EQ(cable.openings, 1) << "at once, so that the first frame finds it";
+  EXPECT_EQ(cable.taken_to_be_at_rad, 0.25);
+  EXPECT_FALSE(head.state().absent);
   EXPECT_FALSE(head.state().failed);
   EXPECT_EQ(head.problem(), "");
   head.move_to({0.5, 0});
@@ -80,7 +83,7 @@ TEST(LatePanTilt, HasFailedUntilTheHeadComesAndThenGoesWhereItIsWanted) {
   Cable cable;
   LatePanTilt head(opener(cable), soon());
   EXPECT_TRUE(head.state().failed);
-  EXPECT_EQ(head.state().angles.tilt_rad, -0.5) << "the neutral position";
+  EXPECT_EQ(head.state().angles.tilt_rad, -0.5) << "where it is taken to be";
   EXPECT_EQ(head.problem(), "no such head");
   head.move_to({0.5, 0});
   head.stop();
@@ -99,11 +102,12 @@ TEST(LatePanTilt, ClosesAHeadThatWentAndOpensItWhenItIsBack) {
   for (int round = 1; round <= 2; ++round) {
     cable.is_there = false;
     EXPECT_TRUE(eventually(head, 0.1, [&] { return cable.closings == round && head.problem() == "no such head"; }));
-    EXPECT_TRUE(head.state().failed);
+    EXPECT_TRUE(head.state().failed && head.state().absent);
     cable.is_there = true;
     EXPECT_TRUE(eventually(head, 0.2 * round, [&] { return cable.pan_rad == 0.2 * round; }));
     EXPECT_FALSE(head.state().failed);
     EXPECT_EQ(cable.openings, round + 1);
+    EXPECT_EQ(cable.taken_to_be_at_rad, round == 1 ? 0.0 : 0.2) << "where it was last, not where it starts";
   }
 }
 
@@ -150,7 +154,7 @@ TEST(LatePanTilt, IsNotOpenedWhileItMustNotMove) {
   LatePanTilt head(opener(cable), options);
   const MonoTime begun = mono_now();
   eventually(head, 0.5, [&] { return mono_now() - begun > 100ms; });
-  EXPECT_EQ(cable.attempts, 0) << "opening brings it to neutral";
+  EXPECT_EQ(cable.attempts, 0) << "opening may move it";
   EXPECT_FALSE(head.state().failed) << "nothing is known to be wrong with it";
   EXPECT_NE(head.problem().find("inhibit"), std::string::npos);
   may_move = true;
@@ -159,7 +163,9 @@ TEST(LatePanTilt, IsNotOpenedWhileItMustNotMove) {
 }
 
 TEST(LatePanTilt, RefusesWhatWaitingWouldNotMend) {
-  const auto open = []() -> std::unique_ptr<PanTilt> { throw StartupError(ExitStatus::kWrongUsage, "no channel 7"); };
+  const auto open = [](const HeadAngles& /*at*/) -> std::unique_ptr<PanTilt> {
+    throw StartupError(ExitStatus::kWrongUsage, "no channel 7");
+  };
   EXPECT_THROW(LatePanTilt(open, soon()), StartupError);
 }
 
@@ -169,9 +175,9 @@ TEST(LatePanTilt, NeverMakesItsCallerWaitOrAllocate) {
   // A head that takes a second to open: neither that nor its absence is the caller's business.
   std::atomic<bool> is_slow{false};
   LatePanTilt head(
-      [&]() -> std::unique_ptr<PanTilt> {
+      [&](const HeadAngles& at) -> std::unique_ptr<PanTilt> {
         if (is_slow) std::this_thread::sleep_for(1s);
-        return opener(cable)();
+        return opener(cable)(at);
       },
       soon());
   is_slow = true;

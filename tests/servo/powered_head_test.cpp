@@ -47,10 +47,10 @@ class Power final : public DigitalOutput {
 
 TEST(PoweredHead, GetsItsPowerLastAndLosesItFirst) {
   Events events;
-  PoweredHeadOpener opener([&] { return std::make_unique<Servos>(events); },
+  PoweredHeadOpener opener([&](const HeadAngles& /*at*/) { return std::make_unique<Servos>(events); },
                            [&] { return std::make_unique<Power>(events, 0); }, PowerComes::kLast);
   {
-    const std::unique_ptr<PanTilt> head = opener.open();
+    const std::unique_ptr<PanTilt> head = opener.open({});
     head->move_to({});
     head->stop();
     EXPECT_TRUE(head->state().limited);
@@ -61,47 +61,48 @@ TEST(PoweredHead, GetsItsPowerLastAndLosesItFirst) {
 TEST(PoweredHead, WaitsForItsPowerWithoutBeingOpenedAgain) {
   Events events;
   bool is_power_there = false;
-  PoweredHeadOpener opener([&] { return std::make_unique<Servos>(events); },
+  PoweredHeadOpener opener([&](const HeadAngles& /*at*/) { return std::make_unique<Servos>(events); },
                            [&]() -> std::unique_ptr<DigitalOutput> {
                              if (!is_power_there) throw DeviceAbsent("no chip");
                              return std::make_unique<Power>(events, 0);
                            },
                            PowerComes::kLast);
-  EXPECT_THROW(opener.open(), DeviceAbsent);
-  EXPECT_THROW(opener.open(), DeviceAbsent);
+  EXPECT_THROW(opener.open({}), DeviceAbsent);
+  EXPECT_THROW(opener.open({}), DeviceAbsent);
   is_power_there = true;
-  const std::unique_ptr<PanTilt> head = opener.open();
+  const std::unique_ptr<PanTilt> head = opener.open({});
   EXPECT_EQ(events, (Events{"signals", "power on"}));
 }
 
 TEST(PoweredHead, IsAbsentWhileItsPowerCanNotBeSwitchedOn) {
   Events events;
-  PoweredHeadOpener opener([&] { return std::make_unique<Servos>(events); },
+  PoweredHeadOpener opener([&](const HeadAngles& /*at*/) { return std::make_unique<Servos>(events); },
                            [&] { return std::make_unique<Power>(events, ENODEV); }, PowerComes::kLast);
-  EXPECT_THROW(opener.open(), DeviceAbsent);
+  EXPECT_THROW(opener.open({}), DeviceAbsent);
 }
 
 TEST(PoweredHead, ACameraKeepsItsPowerWhileItStartsUpAndLosesItLast) {
   Events events;
   bool is_up = false;
   PoweredHeadOpener opener(
-      [&]() -> std::unique_ptr<PanTilt> {
+      [&](const HeadAngles& /*at*/) -> std::unique_ptr<PanTilt> {
         events.emplace_back("asked");
         if (!is_up) throw DeviceAbsent("no answer");
         return std::make_unique<Servos>(events);
       },
       [&] { return std::make_unique<Power>(events, 0); }, PowerComes::kFirst);
-  EXPECT_THROW(opener.open(), DeviceAbsent);
-  EXPECT_THROW(opener.open(), DeviceAbsent);
+  EXPECT_THROW(opener.open({}), DeviceAbsent);
+  EXPECT_THROW(opener.open({}), DeviceAbsent);
   is_up = true;
-  opener.open().reset();
+  opener.open({}).reset();
   EXPECT_EQ(events, (Events{"power on", "asked", "asked", "asked", "signals", "no signals", "power off"}));
 }
 
 TEST(PoweredHead, NeedsNoPowerLine) {
   Events events;
-  PoweredHeadOpener opener([&] { return std::make_unique<Servos>(events); }, nullptr, PowerComes::kLast);
-  EXPECT_NE(opener.open(), nullptr);
+  PoweredHeadOpener opener([&](const HeadAngles& /*at*/) { return std::make_unique<Servos>(events); }, nullptr,
+                           PowerComes::kLast);
+  EXPECT_NE(opener.open({}), nullptr);
 }
 
 }  // namespace

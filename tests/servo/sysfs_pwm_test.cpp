@@ -121,7 +121,8 @@ TEST(SysfsPanTilt, ComesIntoUseWhenItsChipAppears) {
   tree.pull_chip("pwmchip3");
   LatePanTiltOptions late;
   late.backoff = Backoff(2ms, 10ms);
-  LatePanTilt head([&] { return std::make_unique<SysfsPanTilt>(options_for(tree), axes(), HeadAngles{}); }, late);
+  LatePanTilt head([&](const HeadAngles& at) { return std::make_unique<SysfsPanTilt>(options_for(tree), axes(), at); },
+                   late);
   EXPECT_TRUE(head.state().failed);
   EXPECT_NE(head.problem().find("no PWM chip 'fe20c000.pwm'"), std::string::npos);
   tree.add_chip("pwmchip3", "fe20c000.pwm", 2);
@@ -137,11 +138,33 @@ TEST(SysfsPanTilt, RefusesAChannelThatItsChipWillNeverHave) {
   SysfsPanTiltOptions options = options_for(tree);
   options.tilt_channel = 2;
   try {
-    const LatePanTilt head([&] { return std::make_unique<SysfsPanTilt>(options, axes(), HeadAngles{}); }, {});
+    const LatePanTilt head([&](const HeadAngles& at) { return std::make_unique<SysfsPanTilt>(options, axes(), at); },
+                           {});
     FAIL() << "waits for a channel that will never come";
   } catch (const StartupError& error) {
     EXPECT_NE(std::string(error.what()).find("no channel 2"), std::string::npos);
   }
+}
+
+/// A crash leaves the channels running and the servos under power.
+TEST(SysfsPanTilt, GoesOnFromThePulsesThatACrashLeft) {
+  const PwmTree tree;
+  std::ofstream(tree.root() + "/pwmchip3/pwm0/duty_cycle") << "1750000\n";
+  std::ofstream(tree.root() + "/pwmchip3/pwm0/enable") << "1\n";
+  std::ofstream(tree.root() + "/pwmchip3/pwm1/duty_cycle") << "1950000\n";
+  std::ofstream(tree.root() + "/pwmchip3/pwm1/enable") << "1\n";
+  const SysfsPanTilt unit(options_for(tree), axes(), {9 * kDeg, 9 * kDeg});
+  EXPECT_EQ(tree.value("pwmchip3/pwm0/duty_cycle"), "1750000");
+  EXPECT_NEAR(unit.state().angles.pan_rad, 22.5 * kDeg, 1e-9);
+  EXPECT_EQ(tree.value("pwmchip3/pwm1/duty_cycle"), "1600000") << "a pulse beyond its limits was none of ours";
+  EXPECT_NEAR(unit.state().angles.tilt_rad, 9 * kDeg, 1e-9);
+}
+
+TEST(SysfsPanTilt, AChannelThatIsOffBeginsWhereTheHeadIsTakenToBe) {
+  const PwmTree tree;
+  std::ofstream(tree.root() + "/pwmchip3/pwm0/duty_cycle") << "1750000\n";
+  const SysfsPanTilt unit(options_for(tree), axes(), {9 * kDeg, 0});
+  EXPECT_EQ(tree.value("pwmchip3/pwm0/duty_cycle"), "1600000");
 }
 
 TEST(SysfsPanTilt, StopsThePulsesAtTheEnd) {
@@ -149,6 +172,16 @@ TEST(SysfsPanTilt, StopsThePulsesAtTheEnd) {
   { const SysfsPanTilt unit(options_for(tree), axes(), {}); }
   EXPECT_EQ(tree.value("pwmchip3/pwm0/enable"), "0");
   EXPECT_EQ(tree.value("pwmchip3/unexport"), "0");
+}
+
+TEST(SysfsPwm, WritesNothingWhereNothingChanges) {
+  const PwmTree tree;
+  SysfsPwm channel(tree.root(), "fe20c000.pwm", 1, 20ms, 1500us);
+  std::ofstream(tree.root() + "/pwmchip3/pwm1/duty_cycle") << "untouched\n";
+  ASSERT_TRUE(channel.set_pulse(1500us));
+  EXPECT_EQ(tree.value("pwmchip3/pwm1/duty_cycle"), "untouched") << "a chip behind I2C waits for its bus at each write";
+  ASSERT_TRUE(channel.set_pulse(1600us));
+  EXPECT_EQ(tree.value("pwmchip3/pwm1/duty_cycle").substr(0, 7), "1600000");
 }
 
 }  // namespace

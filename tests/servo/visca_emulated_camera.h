@@ -1,11 +1,6 @@
 #pragma once
 /// A camera of the EVI-D31 kind on a pseudo-terminal: two sockets, ACK and completion, motions that take their time,
 /// and faults on request. It reads and writes the protocol on its own, with nothing of the driver's.
-#include <fcntl.h>
-#include <poll.h>
-#include <stdlib.h>
-#include <termios.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -13,14 +8,13 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <deque>
-#include <filesystem>
 #include <mutex>
-#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "tests/servo/emulated_tty.h"
 
 namespace ninedot::test {
 
@@ -50,41 +44,23 @@ class EmulatedViscaCamera {
   std::atomic<bool> at_9600_baud{false};  ///< packets take as long as on the line, both ways
 
   EmulatedViscaCamera() {
-    std::string folder = (std::filesystem::temp_directory_path() / "visca-XXXXXX").string();
-    if (::mkdtemp(folder.data()) == nullptr) throw std::runtime_error("mkdtemp");
-    folder_ = folder;
-    plug();
     thread_ = std::thread([this] { run(); });
   }
   ~EmulatedViscaCamera() {
     ends_ = true;
     thread_.join();
-    unplug();
-    std::filesystem::remove_all(folder_);
   }
 
-  std::string device() const { return folder_ + "/tty"; }
+  std::string device() const { return tty_.device(); }
 
   void plug() {
     const std::lock_guard lock(mutex_);
-    master_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    std::array<char, 128> name{};
-    if (master_ < 0 || ::grantpt(master_) != 0 || ::unlockpt(master_) != 0 ||
-        ::ptsname_r(master_, name.data(), name.size()) != 0)
-      throw std::runtime_error("no pseudo-terminal");
-    termios line{};
-    ::tcgetattr(master_, &line);
-    ::cfmakeraw(&line);
-    ::tcsetattr(master_, TCSANOW, &line);
-    std::filesystem::create_symlink(name.data(), device());
+    tty_.plug();
   }
   /// As when a USB adapter is pulled out.
   void unplug() {
     const std::lock_guard lock(mutex_);
-    if (master_ < 0) return;
-    std::filesystem::remove(device());
-    ::close(master_);
-    master_ = -1;
+    tty_.unplug();
   }
   /// Off and on: the camera forgets everything and says so.
   void power_cycle() {
@@ -121,15 +97,16 @@ class EmulatedViscaCamera {
     const std::lock_guard lock(mutex_);
     return value;
   }
+  int line() const {
+    const std::lock_guard lock(mutex_);
+    return tty_.fd();
+  }
   std::uint8_t head() const { return static_cast<std::uint8_t>(0x80 + 0x10 * address); }
 
   void run() {
     Clock::time_point before = Clock::now();
     while (!ends_) {
-      pollfd polled{locked(master_), POLLIN, 0};
-      // Hung up while nobody has the other end open: poll() would return at once for ever.
-      if (::poll(&polled, 1, 1) > 0 && (polled.revents & POLLIN) == 0)
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      EmulatedTty::wait(line());
       const std::lock_guard lock(mutex_);
       const Clock::time_point now = Clock::now();
       move(std::chrono::duration<double>(now - before).count() * hurry);
@@ -140,10 +117,8 @@ class EmulatedViscaCamera {
   }
 
   void listen() {
-    std::array<std::uint8_t, 64> buffer;
-    const ssize_t got = master_ < 0 ? 0 : ::read(master_, buffer.data(), buffer.size());
-    for (ssize_t i = 0; i < got; ++i) {
-      packet_.push_back(buffer[static_cast<std::size_t>(i)]);
+    for (const std::uint8_t byte : tty_.take()) {
+      packet_.push_back(byte);
       if (packet_.back() != 0xFF) continue;
       heard_.push_back(packet_);
       bytes_before_ = packet_.size();
@@ -163,20 +138,16 @@ class EmulatedViscaCamera {
     while (!replies_.empty() && replies_.front().due <= now) {
       const ViscaBytes bytes = std::move(replies_.front().bytes);
       replies_.pop_front();
-      if (faults.noise) put({0x00, 0x12, 0xFF, 0x41, 0x90, 0x50, 0x7F});
+      if (faults.noise) tty_.put(ViscaBytes{0x00, 0x12, 0xFF, 0x41, 0x90, 0x50, 0x7F});
       if (!faults.in_pieces) {
-        put(bytes);
+        tty_.put(bytes);
         continue;
       }
       for (const std::uint8_t byte : bytes) {
-        put({byte});
+        tty_.put(ViscaBytes{byte});
         std::this_thread::sleep_for(std::chrono::microseconds(300));
       }
     }
-  }
-  void put(const ViscaBytes& bytes) {
-    if (master_ >= 0) [[maybe_unused]]
-      const auto written = ::write(master_, bytes.data(), bytes.size());
   }
 
   static double number_at(const ViscaBytes& packet, std::size_t at) {
@@ -296,8 +267,7 @@ class EmulatedViscaCamera {
   std::uint32_t random() { return random_ = random_ * 1664525U + 1013904223U, random_ >> 8U; }
 
   mutable std::mutex mutex_;
-  std::string folder_;
-  int master_ = -1;
+  EmulatedTty tty_;
   std::atomic<bool> ends_{false};
   ViscaBytes packet_;
   std::size_t bytes_before_ = 0;  // of the packet that is being answered

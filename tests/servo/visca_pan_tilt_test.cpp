@@ -58,7 +58,7 @@ bool gets_to(const ViscaPanTilt& head, const HeadAngles& angles) {
 
 std::string refusal(const ViscaOptions& options, ExitStatus status) {
   try {
-    const ViscaPanTilt head(options, test::evi_d31_axes(), {});
+    const ViscaPanTilt head(options, test::evi_d31_axes());
   } catch (const StartupError& error) {
     EXPECT_EQ(error.status, status);
     const std::string line = error.what();
@@ -74,22 +74,28 @@ std::size_t count_of(const std::vector<ViscaBytes>& packets, const std::function
 bool is_move(const ViscaBytes& packet) { return packet.size() == 15; }
 bool is_cancel(const ViscaBytes& packet) { return packet.size() == 3; }
 
-TEST(ViscaPanTilt, SetsAddressesClearsBuffersAsksForThePositionAndGoesToNeutral) {
+TEST(ViscaPanTilt, SetsAddressesClearsBuffersAsksForThePositionAndStaysThere) {
   EmulatedViscaCamera camera;
-  const ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), angles_deg(-10, 5));
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
   EXPECT_FALSE(head.state().failed);
+  EXPECT_TRUE(head.state().measured);
+  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  EXPECT_EQ(count_of(camera.heard(), is_move), 0U) << "where it stands is where it stays";
+  head.move_to(angles_deg(-10, 5));
   EXPECT_TRUE(gets_to(head, angles_deg(-10, 5)));
   const std::vector<ViscaBytes> heard = camera.heard();
   ASSERT_GE(heard.size(), 4U);
   EXPECT_EQ(heard[0], (ViscaBytes{0x88, 0x30, 0x01, 0xFF}));
   EXPECT_EQ(heard[1], (ViscaBytes{0x88, 0x01, 0x00, 0x01, 0xFF}));
   EXPECT_EQ(heard[2], (ViscaBytes{0x81, 0x09, 0x06, 0x12, 0xFF}));
-  EXPECT_EQ(heard[3], (ViscaBytes{0x81, 0x01, 0x06, 0x02, 0x18, 0x14, 0, 0, 5, 8, 0, 0, 3, 0x0C, 0xFF}));
+  const auto move = std::ranges::find_if(heard, is_move);
+  ASSERT_NE(move, heard.end());
+  EXPECT_EQ(*move, (ViscaBytes{0x81, 0x01, 0x06, 0x02, 0x18, 0x14, 0, 0, 5, 8, 0, 0, 3, 0x0C, 0xFF}));
 }
 
 TEST(ViscaPanTilt, TurnsLeftAndUpForPositiveAngles) {
   EmulatedViscaCamera camera;
-  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
   head.move_to(angles_deg(100, 25));
   EXPECT_TRUE(gets_to(head, angles_deg(100, 25)));
   EXPECT_EQ(camera.pan_steps(), -880);  // steps count to the right
@@ -99,7 +105,7 @@ TEST(ViscaPanTilt, TurnsLeftAndUpForPositiveAngles) {
 
 TEST(ViscaPanTilt, SaturatesBeyondItsLimitsAndSaysSo) {
   EmulatedViscaCamera camera;
-  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
   head.move_to(angles_deg(-140, 0));
   EXPECT_TRUE(head.state().limited);
   head.move_to(angles_deg(-140, 80));
@@ -114,7 +120,7 @@ TEST(ViscaPanTilt, SaturatesBeyondItsLimitsAndSaysSo) {
 TEST(ViscaPanTilt, ReportsWhereTheHeadIsWhileItMoves) {
   EmulatedViscaCamera camera;
   camera.hurry = 1;
-  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
   head.move_to(angles_deg(60, 0));  // 0.75 s at 80 deg/s
   double last_rad = -1;
   int positions = 0;
@@ -130,7 +136,7 @@ TEST(ViscaPanTilt, ReportsWhereTheHeadIsWhileItMoves) {
 
 TEST(ViscaPanTilt, FollowsTheNewestOfManyTargets) {
   EmulatedViscaCamera camera;
-  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
   for (int i = 0; i <= 1000; ++i) {
     head.move_to(angles_deg(50 * std::sin(i * 0.01), 20 * std::cos(i * 0.01)));
     std::this_thread::sleep_for(500us);
@@ -146,7 +152,7 @@ TEST(ViscaPanTilt, GetsThereWithACameraThatTakesOneMotionAtATime) {
   EmulatedViscaCamera camera;
   camera.hurry = 1;
   camera.faults.one_motion_only = true;
-  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
   bool failed = false;
   for (int i = 1; i <= 40; ++i) {
     head.move_to(angles_deg(i, 0));
@@ -161,7 +167,7 @@ TEST(ViscaPanTilt, GetsThereWithACameraThatTakesOneMotionAtATime) {
 TEST(ViscaPanTilt, NeverMakesItsCallerWaitOrAllocate) {
   EmulatedViscaCamera camera;
   camera.reply_delay = 60ms;
-  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
   camera.faults.silent = true;
   const auto begun = std::chrono::steady_clock::now();
   {
@@ -181,7 +187,7 @@ TEST(ViscaPanTilt, NeverMakesItsCallerWaitOrAllocate) {
 TEST(ViscaPanTilt, StopEndsAMotionOnItsWay) {
   EmulatedViscaCamera camera;
   camera.hurry = 1;
-  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
   head.move_to(angles_deg(90, 0));
   ASSERT_TRUE(eventually([&] { return camera.pan_steps() < -50; }));
   head.stop();
@@ -199,7 +205,8 @@ TEST(ViscaPanTilt, HasFailedASecondAfterTheCameraFellSilentAndRecovers) {
   EmulatedViscaCamera camera;
   ViscaOptions options;
   options.device = camera.device();
-  ViscaPanTilt head(options, test::evi_d31_axes(), angles_deg(3, 3));
+  ViscaPanTilt head(options, test::evi_d31_axes());
+  head.move_to(angles_deg(3, 3));
   ASSERT_TRUE(gets_to(head, angles_deg(3, 3)));
   const auto silent_at = std::chrono::steady_clock::now();
   camera.faults.silent = true;
@@ -219,7 +226,7 @@ TEST(ViscaPanTilt, KeepsGoingThroughNoiseHalfPacketsAndLostPackets) {
   camera.faults.noise = true;
   camera.faults.in_pieces = true;
   camera.faults.lost_packets_percent = 10;
-  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
   for (int i = 1; i <= 20; ++i) {
     const HeadAngles target = angles_deg(i % 2 == 0 ? 40 : -40, i);
     head.move_to(target);
@@ -229,7 +236,7 @@ TEST(ViscaPanTilt, KeepsGoingThroughNoiseHalfPacketsAndLostPackets) {
 
 TEST(ViscaPanTilt, HasFailedWhileMotionsAreRefused) {
   EmulatedViscaCamera camera;
-  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
   ASSERT_TRUE(gets_to(head, {}));
   camera.faults.not_executable = true;
   head.move_to(angles_deg(5, 5));
@@ -252,7 +259,8 @@ TEST(ViscaPanTilt, HasFailedWhileMotionsAreRefused) {
 
 TEST(ViscaPanTilt, ComesBackAfterTheAdapterWasPulledOut) {
   EmulatedViscaCamera camera;
-  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), angles_deg(10, 0));
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
+  head.move_to(angles_deg(10, 0));
   ASSERT_TRUE(gets_to(head, angles_deg(10, 0)));
   for (int round = 0; round < 3; ++round) {
     camera.unplug();
@@ -269,7 +277,8 @@ TEST(ViscaPanTilt, SetsAddressesZoomAndTargetAgainAfterAPowerCut) {
   EmulatedViscaCamera camera;
   ViscaOptions options = options_for(camera);
   options.zoom = 500;
-  ViscaPanTilt head(options, test::evi_d31_axes(), angles_deg(10, 0));
+  ViscaPanTilt head(options, test::evi_d31_axes());
+  head.move_to(angles_deg(10, 0));
   ASSERT_TRUE(gets_to(head, angles_deg(10, 0)));
   camera.power_cycle();
   EXPECT_TRUE(eventually([&] { return camera.zoom() == 500 && camera.pan_steps() == -88; }));
@@ -281,7 +290,7 @@ TEST(ViscaPanTilt, SetsTheZoomAndKnowsItsFocalLength) {
   ViscaOptions options = options_for(camera);
   options.zoom = 400;
   options.zoom_table = {{0, 5.4}, {300, 8.0}, {500, 16.0}, {1023, 64.8}};
-  const ViscaPanTilt head(options, test::evi_d31_axes(), {});
+  const ViscaPanTilt head(options, test::evi_d31_axes());
   EXPECT_EQ(head.zoom(), 400);
   ASSERT_TRUE(head.focal_length_mm());
   EXPECT_DOUBLE_EQ(*head.focal_length_mm(), 12.0);
@@ -290,7 +299,7 @@ TEST(ViscaPanTilt, SetsTheZoomAndKnowsItsFocalLength) {
 
 TEST(ViscaPanTilt, LeavesTheZoomAloneWhereNoneIsWanted) {
   EmulatedViscaCamera camera;
-  const ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
+  const ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
   EXPECT_FALSE(head.zoom());
   EXPECT_FALSE(head.focal_length_mm());
   EXPECT_EQ(count_of(camera.heard(), [](const ViscaBytes& packet) { return packet.size() == 9; }), 0U);
@@ -300,7 +309,7 @@ TEST(ViscaPanTilt, TalksToTheSecondOfThreeCameras) {
   EmulatedViscaCamera camera;
   camera.cameras = 3;
   camera.address = 2;
-  ViscaPanTilt head(options_for(camera), test::evi_d31_axes(), {});
+  ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
   head.move_to(angles_deg(20, 5));
   EXPECT_TRUE(gets_to(head, angles_deg(20, 5)));
 }
@@ -315,7 +324,8 @@ TEST(ViscaPanTilt, ComesIntoUseWhenItsAdapterIsPluggedInAndItsCameraSwitchedOn) 
   LatePanTiltOptions late;
   late.reopens_failed = false;
   late.backoff = Backoff(2ms, 20ms);
-  LatePanTilt head([&] { return std::make_unique<ViscaPanTilt>(options, test::evi_d31_axes(), HeadAngles{}); }, late);
+  LatePanTilt head(
+      [&](const HeadAngles& /*at*/) { return std::make_unique<ViscaPanTilt>(options, test::evi_d31_axes()); }, late);
   EXPECT_TRUE(head.state().failed);
   EXPECT_NE(head.problem().find("there is no such serial port"), std::string::npos) << head.problem();
   camera.plug();
@@ -333,7 +343,7 @@ TEST(ViscaPanTilt, EndsAtOnceWhateverTheCameraDoes) {
   EmulatedViscaCamera camera;
   ViscaOptions options = options_for(camera);
   options.reply_timeout = options.answer_timeout = 30s;
-  auto head = std::make_unique<ViscaPanTilt>(options, test::evi_d31_axes(), HeadAngles{});
+  auto head = std::make_unique<ViscaPanTilt>(options, test::evi_d31_axes());
   camera.faults.silent = true;
   head->move_to(angles_deg(1, 1));
   auto begun = std::chrono::steady_clock::now();
@@ -342,7 +352,7 @@ TEST(ViscaPanTilt, EndsAtOnceWhateverTheCameraDoes) {
 
   camera.faults.silent = false;
   options.first_reopen_wait = options.longest_reopen_wait = 30s;
-  head = std::make_unique<ViscaPanTilt>(options, test::evi_d31_axes(), HeadAngles{});
+  head = std::make_unique<ViscaPanTilt>(options, test::evi_d31_axes());
   camera.unplug();
   ASSERT_TRUE(eventually([&] { return head->state().failed; }));
   begun = std::chrono::steady_clock::now();
@@ -435,7 +445,7 @@ TEST(ViscaPanTilt, AsksTenTimesASecondAlsoWhenEveryFrameHasATarget) {
   camera.at_9600_baud = true;
   ViscaOptions options;
   options.device = camera.device();
-  ViscaPanTilt head(options, test::evi_d31_axes(), {});
+  ViscaPanTilt head(options, test::evi_d31_axes());
   ASSERT_TRUE(gets_to(head, {}));
   camera.forget_heard();
   const auto begun = std::chrono::steady_clock::now();

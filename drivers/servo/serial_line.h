@@ -1,5 +1,5 @@
 #pragma once
-/// The serial line to a VISCA camera: 9600 baud, 8 bits, no parity, one stop bit, no flow control.
+/// The serial line to a head: 8 bits, no parity, one stop bit, no flow control.
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,14 +13,16 @@ namespace ninedot {
 
 /// Open from construction to destruction; bytes not sent by then are dropped.
 /// Memory: none after `open`. Threads: one at a time for all methods. Nothing here waits.
-class ViscaTty {
+class SerialLine {
  public:
-  /// \error  kIo: os_errno; ENOTTY: `device` is no serial line; EBUSY: another program has it
-  static Result<ViscaTty> open(const std::string& device) noexcept;
+  /// \param baud  of kServoBaudRates (contract)
+  /// \error  kIo: os_errno; ENOTTY: `device` is no serial line; EINVAL: it does not have this rate; EBUSY: another
+  /// program has it
+  static Result<SerialLine> open(const std::string& device, int baud) noexcept;
 
-  ViscaTty(ViscaTty&&) noexcept = default;
-  ViscaTty& operator=(ViscaTty&&) noexcept = default;
-  ~ViscaTty();
+  SerialLine(SerialLine&&) noexcept = default;
+  SerialLine& operator=(SerialLine&&) noexcept = default;
+  ~SerialLine();
 
   /// \return  the file descriptor, for poll()
   int get() const noexcept { return fd_.get(); }
@@ -29,8 +31,11 @@ class ViscaTty {
   /// \return  how many bytes came, possibly 0; nothing: the line is lost. Call it when poll() says POLLIN.
   std::optional<std::size_t> receive(std::span<std::uint8_t> buffer) noexcept;
 
+  /// Forgets what has come and was not received.
+  void drop_received() noexcept;
+
  private:
-  explicit ViscaTty(FileDescriptor fd) noexcept : fd_(std::move(fd)) {}
+  explicit SerialLine(FileDescriptor fd) noexcept : fd_(std::move(fd)) {}
   FileDescriptor fd_;
 };
 

@@ -1,19 +1,33 @@
-#include "drivers/servo/visca_tty.h"
+#include "drivers/servo/serial_line.h"
 
 #include <fcntl.h>
 #include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
+
+#include "base/baud_rates.h"
+#include "base/contract.h"
 
 namespace ninedot {
 namespace {
 
-constexpr speed_t kBaud = B9600;
+// In the order of kServoBaudRates.
+constexpr std::array<speed_t, 10> kSpeeds = {B9600,   B19200,   B38400,   B57600,   B115200,
+                                             B500000, B1000000, B2000000, B3000000, B4000000};
+static_assert(kSpeeds.size() == kServoBaudRates.size());
+
+speed_t speed_of(int baud) noexcept {
+  const auto* const found = std::find(kServoBaudRates.begin(), kServoBaudRates.end(), baud);
+  EXPECTS(found != kServoBaudRates.end());
+  return kSpeeds[static_cast<std::size_t>(found - kServoBaudRates.begin())];
+}
 
 /// \return  whether the line has taken all of it
-bool set_up(int fd) noexcept {
+bool set_up(int fd, speed_t speed) noexcept {
   termios line{};
   if (::tcgetattr(fd, &line) != 0) return false;
   ::cfmakeraw(&line);
@@ -21,30 +35,30 @@ bool set_up(int fd) noexcept {
   line.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS);
   line.c_cc[VMIN] = 1;
   line.c_cc[VTIME] = 0;
-  ::cfsetispeed(&line, kBaud);
-  ::cfsetospeed(&line, kBaud);
+  ::cfsetispeed(&line, speed);
+  ::cfsetospeed(&line, speed);
   if (::tcsetattr(fd, TCSANOW, &line) != 0) return false;
   // tcsetattr() succeeds when any of the settings could be made.
   termios now{};
   if (::tcgetattr(fd, &now) != 0) return false;
-  if (::cfgetospeed(&now) == kBaud && (now.c_lflag & ICANON) == 0) return true;
+  if (::cfgetospeed(&now) == speed && (now.c_lflag & ICANON) == 0) return true;
   errno = EINVAL;
   return false;
 }
 
 }  // namespace
 
-Result<ViscaTty> ViscaTty::open(const std::string& device) noexcept {
+Result<SerialLine> SerialLine::open(const std::string& device, int baud) noexcept {
   FileDescriptor fd(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!fd) return fail(Errc::kIo, "the serial line cannot be opened", errno);
-  if (!set_up(fd.get())) return fail(Errc::kIo, "the serial line cannot be set up", errno);
+  if (!set_up(fd.get(), speed_of(baud))) return fail(Errc::kIo, "the serial line cannot be set up", errno);
   // A console or a second service on the same line would eat half of the replies.
   if (::ioctl(fd.get(), TIOCEXCL) != 0) return fail(Errc::kIo, "the serial line cannot be had alone", errno);
   (void)::tcflush(fd.get(), TCIOFLUSH);
-  return ViscaTty(std::move(fd));
+  return SerialLine(std::move(fd));
 }
 
-ViscaTty::~ViscaTty() {
+SerialLine::~SerialLine() {
   // Unsent bytes would make close() wait, up to 30 s on a line whose other end is gone.
   if (!fd_) return;
   (void)::tcflush(fd_.get(), TCIOFLUSH);
@@ -52,7 +66,9 @@ ViscaTty::~ViscaTty() {
   (void)::ioctl(fd_.get(), TIOCNXCL);
 }
 
-bool ViscaTty::try_send(std::span<const std::uint8_t> packet) noexcept {
+void SerialLine::drop_received() noexcept { (void)::tcflush(fd_.get(), TCIFLUSH); }
+
+bool SerialLine::try_send(std::span<const std::uint8_t> packet) noexcept {
   // The kernel's buffer takes 4 KiB, and at most a packet is on its way: one that does not fit means a dead line.
   ssize_t sent = 0;
   do sent = ::write(fd_.get(), packet.data(), packet.size());
@@ -60,7 +76,7 @@ bool ViscaTty::try_send(std::span<const std::uint8_t> packet) noexcept {
   return sent == static_cast<ssize_t>(packet.size());
 }
 
-std::optional<std::size_t> ViscaTty::receive(std::span<std::uint8_t> buffer) noexcept {
+std::optional<std::size_t> SerialLine::receive(std::span<std::uint8_t> buffer) noexcept {
   const ssize_t got = ::read(fd_.get(), buffer.data(), buffer.size());
   if (got > 0) return static_cast<std::size_t>(got);
   if (got < 0 && (errno == EAGAIN || errno == EINTR)) return 0;

@@ -1,0 +1,47 @@
+#pragma once
+/// Two servos behind a bus, as BusPanTilt drives them: a PWM chip on I2C, or servos with a serial line.
+#include <limits>
+#include <optional>
+
+#include "base/result.h"
+
+namespace ninedot {
+
+/// For pan and tilt what their axes put out: pulse widths [us] or positions [steps].
+struct ServoTargets {
+  double pan = 0, tilt = 0;
+  friend bool operator==(const ServoTargets&, const ServoTargets&) = default;
+};
+
+/// What servos tell about themselves; NaN: they don't. Of both the worse.
+struct ServoHealth {
+  double load_percent = kUnknown;  ///< of the largest that the servo can give; its size, without a sign
+  double supply_V = kUnknown;      ///< [V] the lower of both
+  double temperature_degC = kUnknown;
+
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  ///< [1]
+};
+
+struct ServoReading {
+  std::optional<ServoTargets> position;  ///< where the servos are; none: they don't tell
+  ServoHealth health;
+};
+
+/// Set up by whoever opens it, without force or pulses until the first `drive`; closed by its destructor, which leaves
+/// the servos as they are.
+///
+/// Every method: \error  kIo: after a bounded number of attempts, the bus or what hangs on it is lost, and has to be
+/// opened anew; the text says what happened. Memory: none. Threads: one at a time; each waits for the bus, for a time
+/// that the implementation says.
+class ServoBus {
+ public:
+  virtual ~ServoBus() = default;
+  /// Goes there, with force or pulses from now on.
+  virtual Result<void> drive(const ServoTargets& targets) noexcept = 0;
+  /// No force and no pulses, until the next `drive`. Tries both servos even if one fails.
+  virtual Result<void> release() noexcept = 0;
+  /// Asks where the servos are, and whether they still are as they were set up.
+  virtual Result<ServoReading> look() noexcept = 0;
+};
+
+}  // namespace ninedot
