@@ -15,6 +15,13 @@ namespace ninedot {
 /// Against the flicker of lamps.
 enum class PowerLine { kUnchanged, kOff, k50Hz, k60Hz, kAutomatic };
 
+/// Of the lens.
+enum class Focus {
+  kUnchanged,  ///< as the camera has it
+  kFixed,      ///< no autofocus; the lens stands where CameraRequest::focus_position says
+  kAutomatic,  ///< autofocus, always on
+};
+
 /// What is asked of a camera.
 struct CameraRequest {
   std::string device;  ///< V4L2 path, or libcamera id or model
@@ -26,7 +33,13 @@ struct CameraRequest {
   double gain = 0;                               ///< 0 = automatic; V4L2: in the driver's units, libcamera: a factor
   bool lower_rate_in_the_dark = false;           ///< automatic exposure may lower the frame rate
   PowerLine power_line = PowerLine::kUnchanged;  ///< V4L2 only
-  std::chrono::nanoseconds readout{0};           ///< see ShutterTiming::readout
+  Focus focus = Focus::kUnchanged;
+  /// V4L2: the driver's steps; libcamera: 1 / distance [1/m]; below 0: not said
+  double focus_position = -1;
+  /// There is a calibration, which holds for one focus of the lens: a camera that focuses by itself is refused.
+  bool is_calibrated = false;
+  std::string calibrated_id;            ///< of the calibration's camera (camera_identity.h); empty: unknown
+  std::chrono::nanoseconds readout{0};  ///< see ShutterTiming::readout
   /// Frame::row_time of every frame: no driver tells it. 0 = global shutter, or unknown.
   std::chrono::nanoseconds row_time{0};
 };

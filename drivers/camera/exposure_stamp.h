@@ -29,7 +29,17 @@ constexpr MonoTime middle_of_exposure(MonoTime stamp, StampPoint point, const Sh
 /// Four buffers of a camera at 2 Hz.
 inline constexpr std::chrono::seconds kOldestStamp{2};
 constexpr bool is_plausible_stamp(MonoTime stamp, MonoTime now) noexcept {
-  return stamp <= now && now - stamp <= kOldestStamp;
+  // Not by their difference, which has no room for a stamp that wrapped at 2^63 ns.
+  return stamp <= now && stamp >= now - kOldestStamp;
+}
+
+/// A kernel's stamp; MonoTime::max(), which is never plausible, where nanoseconds have no room for it.
+/// \param since_boot, fraction  as in timeval: [s] and [us]
+constexpr MonoTime stamp_of(std::chrono::seconds since_boot, std::chrono::microseconds fraction) noexcept {
+  using std::chrono::seconds;
+  const bool has_room =
+      since_boot >= seconds(0) && since_boot < std::chrono::floor<seconds>(MonoTime::max().time_since_epoch());
+  return has_room ? MonoTime(since_boot + fraction) : MonoTime::max();
 }
 
 /// CLOCK_BOOTTIME - CLOCK_MONOTONIC: the time spent in suspend. >= 0

@@ -18,6 +18,7 @@
 #include <optional>
 
 #include "base/contract.h"
+#include "drivers/camera/camera_identity.h"
 #include "drivers/camera/exposure_stamp.h"
 #include "drivers/camera/libcamera_shim.h"
 #include "drivers/camera/pixel_format.h"
@@ -120,6 +121,7 @@ class LibcameraDevice::Session {
       if (const int error = camera_->acquire(); error < 0)
         refuse(error == -EBUSY ? "busy: stop the program that uses it" : "can't be taken", error);
       is_acquired_ = true;
+      check_identity(request.device, libcamera_identity(camera_->id()), request.calibrated_id);
       agree_on_format();
       map_buffers();
       start();
@@ -134,12 +136,15 @@ class LibcameraDevice::Session {
 
   std::string description() const {
     return fmt::format(
-        "{} ({}), {} {}x{}, {:.4g} Hz{}{}", camera_->id(), model_of(*camera_), format_->name, request_.width_px,
+        "{} ({}), {} {}x{}, {:.4g} Hz{}{}{}", camera_->id(), model_of(*camera_), format_->name, request_.width_px,
         request_.height_px, 1e9 / static_cast<double>(period().count()),
         request_.exposure.count() > 0
             ? fmt::format(", exposure {:g} us", std::chrono::duration<double, std::micro>(request_.exposure).count())
             : ", exposure automatic",
-        request_.gain > 0 ? fmt::format(", gain {:g}", request_.gain) : "");
+        request_.gain > 0 ? fmt::format(", gain {:g}", request_.gain) : "",
+        request_.focus == Focus::kFixed       ? fmt::format(", focus {:g} 1/m", request_.focus_position)
+        : request_.focus == Focus::kAutomatic ? ", focus automatic"
+                                              : "");
   }
   std::chrono::nanoseconds period() const noexcept { return period_; }
 
@@ -250,6 +255,7 @@ class LibcameraDevice::Session {
     shim::set_exposure_and_gain(controls, known,
                                 std::chrono::duration_cast<std::chrono::microseconds>(request_.exposure),
                                 static_cast<float>(request_.gain));
+    set_focus(controls, known);
     set_frame_duration(controls, known);
     exchange_.emplace([this](std::uint32_t request) { queue_again(*requests_[request]); });
     camera_->requestCompleted.connect(this, &Session::on_completed);
@@ -259,6 +265,31 @@ class LibcameraDevice::Session {
     is_running_ = true;
     for (const std::unique_ptr<libcamera::Request>& request : requests_)
       if (const int error = camera_->queueRequest(request.get()); error < 0) refuse("a request was refused", error);
+  }
+
+  void set_focus(libcamera::ControlList& controls, const libcamera::ControlInfoMap& known) {
+    const bool can_focus = shim::has_autofocus(known);
+    const std::optional<shim::FocusRange> range = shim::focus_range(known);
+    if (request_.focus == Focus::kUnchanged && !can_focus) return;
+    if (request_.focus != Focus::kFixed && can_focus && request_.is_calibrated)
+      refuse(fmt::format("its lens may focus by itself, and a calibration holds for one focus only: set camera.focus = "
+                         "\"fixed\"{}",
+                         range ? fmt::format(" and camera.focus_position, from {:g} to {:g} (1/m), as it was when the "
+                                             "camera was calibrated",
+                                             range->least_per_m, range->most_per_m)
+                               : ""),
+             0);
+    if (request_.focus == Focus::kUnchanged) return;
+    if (!can_focus && (!range || request_.focus == Focus::kAutomatic))
+      refuse("the camera has no control for the focus; remove camera.focus", 0);
+    const bool is_fixed = request_.focus == Focus::kFixed;
+    if (is_fixed && range &&
+        !(request_.focus_position >= range->least_per_m && request_.focus_position <= range->most_per_m))
+      refuse(fmt::format("set camera.focus_position, from {:g} to {:g} (1/m)", range->least_per_m, range->most_per_m),
+             0);
+    shim::set_focus(controls, known,
+                    is_fixed && range ? std::optional(static_cast<float>(request_.focus_position)) : std::nullopt,
+                    is_fixed);
   }
 
   void set_frame_duration(libcamera::ControlList& controls, const libcamera::ControlInfoMap& known) {
@@ -415,6 +446,7 @@ std::vector<CameraListing> list_libcamera_cameras() {
     CameraListing listing;
     listing.device = camera->id();
     listing.name = model_of(*camera);
+    listing.identity = libcamera_identity(camera->id());
     if (const auto configuration = camera->generateConfiguration({libcamera::StreamRole::Viewfinder});
         configuration != nullptr && !configuration->empty())
       listing.formats = describe_formats(configuration->at(0).formats());

@@ -6,6 +6,7 @@
 #include <libcamera/version.h>
 
 #include <chrono>
+#include <optional>
 
 #define NINEDOT_LIBCAMERA_HAS_EXPOSURE_MODES (LIBCAMERA_VERSION_MAJOR > 0 || LIBCAMERA_VERSION_MINOR >= 5)
 
@@ -34,6 +35,29 @@ inline void set_exposure_and_gain(libcamera::ControlList& controls, const libcam
 #endif
   if (exposure.count() > 0) controls.set(ids::ExposureTime, static_cast<std::int32_t>(exposure.count()));
   if (gain > 0) controls.set(ids::AnalogueGain, gain);
+}
+
+inline bool has_autofocus(const libcamera::ControlInfoMap& known) {
+  return known.find(&libcamera::controls::AfMode) != known.end();
+}
+
+/// Of LensPosition [1/m].
+struct FocusRange {
+  double least_per_m = 0, most_per_m = 0;
+};
+inline std::optional<FocusRange> focus_range(const libcamera::ControlInfoMap& known) {
+  const auto lens = known.find(&libcamera::controls::LensPosition);
+  if (lens == known.end()) return std::nullopt;
+  return FocusRange{static_cast<double>(lens->second.min().get<float>()),
+                    static_cast<double>(lens->second.max().get<float>())};
+}
+
+/// \param position_per_m  for a fixed lens that can be moved
+inline void set_focus(libcamera::ControlList& controls, const libcamera::ControlInfoMap& known,
+                      std::optional<float> position_per_m, bool is_fixed) {
+  namespace ids = libcamera::controls;
+  if (has_autofocus(known)) controls.set(ids::AfMode, is_fixed ? ids::AfModeManual : ids::AfModeContinuous);
+  if (position_per_m) controls.set(ids::LensPosition, *position_per_m);
 }
 
 }  // namespace ninedot::shim

@@ -49,6 +49,9 @@ class Controls {
           fmt::format("{}: the camera refused {} = {} ({})", device_, what, value, std::strerror(-error)), -error);
     return read(known.id).value_or(value);
   }
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw CameraRefused(fmt::format("{}: {}", device_, what), 0);
+  }
   [[noreturn]] void refuse_missing(const char* what, const char* key) const {
     throw CameraRefused(fmt::format("{}: the camera has no control for the {}; remove camera.{}", device_, what, key),
                         0);
@@ -121,6 +124,41 @@ void set_power_line(const Controls& controls, PowerLine power_line, AppliedContr
   add(applied.description, fmt::format("flicker {}", name));
 }
 
+void set_fixed_focus(const Controls& controls, const CameraRequest& request, AppliedControls& applied) {
+  const auto automatic = controls.find(V4L2_CID_FOCUS_AUTO);
+  const auto position = controls.find(V4L2_CID_FOCUS_ABSOLUTE);
+  if (!automatic && !position) controls.refuse_missing("focus", "focus");
+  if (automatic && controls.write(*automatic, 0, "manual focus") != 0)
+    controls.refuse("autofocus stays on although camera.focus is \"fixed\"; use another camera");
+  if (!position) return add(applied.description, "focus fixed");
+  if (!(request.focus_position >= position->minimum && request.focus_position <= position->maximum))
+    controls.refuse(fmt::format("set camera.focus_position, from {} to {}; it is {} now", position->minimum,
+                                position->maximum, controls.read(position->id).value_or(position->default_value)));
+  const int got = controls.write(*position, clamp_to(*position, request.focus_position), "focus");
+  add(applied.description,
+      fmt::format("focus {}{}", got,
+                  got == request.focus_position ? "" : fmt::format(" (asked {:g})", request.focus_position)));
+}
+
+/// A lens that focuses anew has another focal length and another middle than the calibrated ones.
+void set_focus(const Controls& controls, const CameraRequest& request, AppliedControls& applied) {
+  if (request.focus == Focus::kFixed) return set_fixed_focus(controls, request, applied);
+  const auto automatic = controls.find(V4L2_CID_FOCUS_AUTO);
+  if (request.focus == Focus::kAutomatic && !automatic) controls.refuse_missing("automatic focus", "focus");
+  if (!automatic) return;
+  const bool is_on = request.focus == Focus::kAutomatic || controls.read(automatic->id).value_or(1) != 0;
+  if (is_on && request.is_calibrated) {
+    const auto position = controls.find(V4L2_CID_FOCUS_ABSOLUTE);
+    controls.refuse(fmt::format(
+        "autofocus is on, and a calibration holds for one focus only: set camera.focus = \"fixed\"{}",
+        position ? fmt::format(" and camera.focus_position, from {} to {}, as it was when the camera was calibrated",
+                               position->minimum, position->maximum)
+                 : ""));
+  }
+  if (request.focus == Focus::kAutomatic) controls.write(*automatic, 1, "automatic focus");
+  if (is_on) add(applied.description, "focus automatic");
+}
+
 }  // namespace
 
 AppliedControls apply_controls(VideoKernel& kernel, int fd, const CameraRequest& request) {
@@ -134,6 +172,7 @@ AppliedControls apply_controls(VideoKernel& kernel, int fd, const CameraRequest&
   else
     set_automatic_exposure(controls, applied);
   set_gain(controls, request, applied);
+  set_focus(controls, request, applied);
   applied.now = read_live_controls(kernel, fd);
   return applied;
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// Exposure, gain and flicker of a V4L2 camera: written, then read back; what the driver says then is what counts.
+/// Exposure, gain, flicker and focus of a V4L2 camera: written, then read back; what the driver says then is what
+/// counts.
 #include <limits>
 #include <string>
 #include <vector>
@@ -21,7 +22,8 @@ struct AppliedControls {
 };
 
 /// Sets the controls of `request`. What is left automatic or unchanged may be missing in the camera.
-/// Throws CameraRefused: a control that is asked for does not exist or is refused.
+/// Throws CameraRefused: a control that is asked for does not exist or is refused; autofocus is on where there is a
+/// calibration.
 AppliedControls apply_controls(VideoKernel& kernel, int fd, const CameraRequest& request);
 
 /// Reads them; one that the camera does not have costs a call that fails. Blocks as long as the driver does: a USB

@@ -10,8 +10,10 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "base/contract.h"
+#include "drivers/camera/camera_identity.h"
 #include "drivers/camera/v4l2_controls.h"
 #include "drivers/camera/v4l2_formats.h"
 
@@ -53,8 +55,8 @@ std::string describe_open_failure(const std::string& path, int error) {
   }
 }
 
-V4l2Device::V4l2Device(const CameraRequest& request, VideoKernel& kernel)
-    : request_(request), kernel_(kernel), jpeg_({request.width_px, request.height_px}) {}
+V4l2Device::V4l2Device(const CameraRequest& request, VideoKernel& kernel, std::string system)
+    : request_(request), kernel_(kernel), system_(std::move(system)), jpeg_({request.width_px, request.height_px}) {}
 
 void V4l2Device::refuse(const std::string& what, int error) const {
   throw CameraRefused(fmt::format("{}: {}", request_.device, what), error);
@@ -100,6 +102,7 @@ void V4l2Device::open_node() {
                : "captures no pictures (metadata or output node); `ninedot cameras` lists those that do",
            ENOTTY);
   if ((can & V4L2_CAP_STREAMING) == 0) refuse("offers no memory-mapped buffers", ENOTTY);
+  check_identity(request_.device, v4l2_identity(request_.device, capability, system_), request_.calibrated_id);
 
   v4l2_input input{};
   int current = 0;
@@ -274,8 +277,8 @@ Result<V4l2Device::Taken> V4l2Device::take() noexcept {
 }
 
 MonoTime V4l2Device::exposure_of(const v4l2_buffer& buffer, const ShutterTiming& timing, MonoTime now) const noexcept {
-  const MonoTime stamp(std::chrono::seconds(buffer.timestamp.tv_sec) +
-                       std::chrono::microseconds(buffer.timestamp.tv_usec));
+  const MonoTime stamp =
+      stamp_of(std::chrono::seconds(buffer.timestamp.tv_sec), std::chrono::microseconds(buffer.timestamp.tv_usec));
   const bool is_monotonic = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
   if (!is_monotonic || !is_plausible_stamp(stamp, now)) return middle_of_exposure(now, StampPoint::kEndOfFrame, timing);
   const bool is_start = (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;

@@ -32,7 +32,9 @@ class V4l2Device final : public CameraDevice {
   /// One with the caller, one ready, two for the driver to fill. A driver may give more or fewer, two at least.
   static constexpr std::uint32_t kBufferCount = 4;
 
-  explicit V4l2Device(const CameraRequest& request, VideoKernel& kernel = linux_video_kernel());
+  /// \param system  where the system tells of its cameras (camera_identity.h)
+  explicit V4l2Device(const CameraRequest& request, VideoKernel& kernel = linux_video_kernel(),
+                      std::string system = "/sys/class/video4linux");
   ~V4l2Device() override { V4l2Device::close(); }
   V4l2Device(const V4l2Device&) = delete;
   V4l2Device& operator=(const V4l2Device&) = delete;
@@ -77,6 +79,7 @@ class V4l2Device final : public CameraDevice {
 
   const CameraRequest request_;
   VideoKernel& kernel_;
+  const std::string system_;
   int fd_ = -1;
   bool is_streaming_ = false;
   std::string description_;

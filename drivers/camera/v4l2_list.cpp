@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "drivers/camera/camera_identity.h"
 #include "drivers/camera/v4l2_controls.h"
 #include "drivers/camera/v4l2_device.h"
 #include "drivers/camera/v4l2_formats.h"
@@ -67,6 +68,7 @@ std::optional<CameraListing> list_one(VideoKernel& kernel, const std::string& fo
     listing.name =
         fmt::format("{} ({}, {})", text_of(capability.card), text_of(capability.driver), text_of(capability.bus_info));
     listing.steady_device = steady_name(folder, node);
+    listing.identity = v4l2_identity(node, capability);
     if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0) listing.problem = "multi-planar interface: use it through libcamera";
     listing.formats = describe_offers(read_offered_formats(kernel, fd));
     listing.controls = describe_controls(kernel, fd);

@@ -11,6 +11,7 @@ struct CameraListing {
   std::string device;                 ///< for camera.device
   std::string name;                   ///< "HD Webcam (uvcvideo, usb-0000:00:14.0-1)"
   std::string steady_device;          ///< of /dev/v4l/by-id or by-path: stays when numbers change; empty: none
+  std::string identity;               ///< for `camera_id` of a calibration (camera_identity.h)
   std::string problem;                ///< why nothing more is known; empty: none
   std::vector<std::string> formats;   ///< "GREY 640x480 60 Hz, 1280x720 30 Hz"
   std::vector<std::string> controls;  ///< "Gain: 0 to 100 step 1, now 16"

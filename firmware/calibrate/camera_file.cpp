@@ -5,14 +5,13 @@
 #include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
-#include <charconv>
 #include <cmath>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include "base/one_line.h"
 #include "base/startup_error.h"
+#include "calibrate/yaml_reader.h"
 
 namespace ninedot {
 namespace {
@@ -22,14 +21,13 @@ constexpr int kMaxSide_px = 8192;  // as [camera] width_px and height_px of the 
 constexpr double kMinFocalPerWidth = 0.1;
 constexpr double kMaxFocalPerWidth = 100;
 
-/// Reads one file: knows its name for error messages.
 class CameraParser {
  public:
-  CameraParser(const YAML::Node& root, const std::string& name) : root_(root), name_(name) {}
+  CameraParser(const YAML::Node& root, const YamlReader& yaml) : root_(root), yaml_(yaml) {}
 
   CameraModel parse() const {
-    if (!root_.IsMap()) refuse(root_, "not a calibration: expected 'key: value' lines");
-    refuse_repeated_keys();
+    if (!root_.IsMap()) yaml_.refuse(root_, "not a calibration: expected 'key: value' lines");
+    yaml_.refuse_repeated_keys(root_);
     CameraModel camera;
     camera.width_px = read_side_px("image_width");
     camera.height_px = read_side_px("image_height");
@@ -39,102 +37,54 @@ class CameraParser {
   }
 
  private:
-  [[noreturn]] void refuse(const YAML::Node& where, const std::string& what) const {
-    const YAML::Mark mark = where.Mark();
-    throw StartupError(ExitStatus::kWrongUsage,
-                       one_line(fmt::format("{}:{}: {}", name_, mark.is_null() ? 1 : mark.line + 1, what)));
-  }
-
-  YAML::Node need(const char* key) const {
-    const YAML::Node node = root_[key];
-    if (!node) refuse(root_, fmt::format("'{}' is missing", key));
-    return node;
-  }
-
-  /// yaml-cpp takes the first of two equal keys; the user may mean the second.
-  void refuse_repeated_keys() const {
-    std::set<std::string> keys;
-    for (const auto& item : root_) {
-      if (!item.first.IsScalar()) refuse(item.first, "a key is not a word");
-      if (!keys.insert(item.first.Scalar()).second)
-        refuse(item.first, fmt::format("'{}' is there twice", item.first.Scalar()));
-    }
-  }
-
-  double read_number(const YAML::Node& node, const std::string& what) const {
-    if (!node.IsScalar()) refuse(node, fmt::format("{} is not a number", what));
-    std::string_view text = node.Scalar();
-    if (text.starts_with('+')) text.remove_prefix(1);
-    double number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(number))
-      refuse(node, fmt::format("{} is '{}', not a finite number", what, node.Scalar()));
-    return number;
-  }
-
   int read_side_px(const char* key) const {
-    const YAML::Node node = need(key);
-    const double side_px = read_number(node, key);
+    const YAML::Node node = yaml_.need(root_, key);
+    const double side_px = yaml_.read_number(node, key);
     if (side_px != std::floor(side_px) || side_px < 1 || side_px > kMaxSide_px)
-      refuse(node, fmt::format("{} is {}, not a whole number of pixels from 1 to {}", key, node.Scalar(), kMaxSide_px));
+      yaml_.refuse(node,
+                   fmt::format("{} is {}, not a whole number of pixels from 1 to {}", key, node.Scalar(), kMaxSide_px));
     return static_cast<int>(side_px);
   }
 
-  /// A matrix in either form: {rows, cols, data} or the bare list.
-  std::vector<double> read_matrix(const char* key) const {
-    const YAML::Node node = need(key);
-    const YAML::Node list = node.IsMap() ? node["data"] : node;
-    if (!list || !list.IsSequence()) refuse(node, fmt::format("{} has no list 'data'", key));
-    std::vector<double> numbers;
-    for (const YAML::Node& item : list)
-      numbers.push_back(read_number(item, fmt::format("{}, number {}", key, numbers.size() + 1)));
-    if (node.IsMap() && node["rows"] && node["cols"]) {
-      const double rows = read_number(node["rows"], fmt::format("{}, rows", key));
-      const double cols = read_number(node["cols"], fmt::format("{}, cols", key));
-      if (rows * cols != static_cast<double>(numbers.size()))
-        refuse(node, fmt::format("{} has {} numbers, but rows x cols is {} x {}", key, numbers.size(), rows, cols));
-    }
-    return numbers;
-  }
-
   void read_camera_matrix(CameraModel& camera) const {
-    const YAML::Node node = need("camera_matrix");
-    const std::vector<double> K = read_matrix("camera_matrix");
-    if (K.size() != 9) refuse(node, fmt::format("camera_matrix has {} numbers instead of 9", K.size()));
-    if (K[1] != 0) refuse(node, fmt::format("camera_matrix has a skew of {} px; write 0", K[1]));
+    const YAML::Node node = yaml_.need(root_, "camera_matrix");
+    const std::vector<double> K = yaml_.read_matrix(root_, "camera_matrix");
+    if (K.size() != 9) yaml_.refuse(node, fmt::format("camera_matrix has {} numbers instead of 9", K.size()));
+    if (K[1] != 0) yaml_.refuse(node, fmt::format("camera_matrix has a skew of {} px; write 0", K[1]));
     if (K[3] != 0 || K[6] != 0 || K[7] != 0 || K[8] != 1)
-      refuse(node, "camera_matrix is not [fx, 0, cx, 0, fy, cy, 0, 0, 1]");
+      yaml_.refuse(node, "camera_matrix is not [fx, 0, cx, 0, fy, cy, 0, 0, 1]");
     camera.fx_px = K[0], camera.cx_px = K[2], camera.fy_px = K[4], camera.cy_px = K[5];
     for (const auto& [focal_px, name] : {std::pair{camera.fx_px, "fx"}, std::pair{camera.fy_px, "fy"}}) {
-      if (focal_px <= 0) refuse(node, fmt::format("{} is {} px; a focal length is positive", name, focal_px));
+      if (focal_px <= 0) yaml_.refuse(node, fmt::format("{} is {} px; a focal length is positive", name, focal_px));
       if (focal_px < kMinFocalPerWidth * camera.width_px || focal_px > kMaxFocalPerWidth * camera.width_px)
-        refuse(node, fmt::format("{} is {} px, implausible for a picture {} px wide; it is in pixels, not mm", name,
-                                 focal_px, camera.width_px));
+        yaml_.refuse(node, fmt::format("{} is {} px, implausible for a picture {} px wide; it is in pixels, not mm",
+                                       name, focal_px, camera.width_px));
     }
     if (camera.cx_px < 0 || camera.cx_px > camera.width_px || camera.cy_px < 0 || camera.cy_px > camera.height_px)
-      refuse(node, fmt::format("the principal point ({}, {}) is outside the picture of {} x {} px", camera.cx_px,
-                               camera.cy_px, camera.width_px, camera.height_px));
+      yaml_.refuse(node, fmt::format("the principal point ({}, {}) is outside the picture of {} x {} px", camera.cx_px,
+                                     camera.cy_px, camera.width_px, camera.height_px));
   }
 
   std::optional<DistortionModel> read_model() const {
     const YAML::Node fisheye = root_["fisheye_model"];
-    const bool is_fisheye = fisheye && read_number(fisheye, "fisheye_model") != 0;
+    const bool is_fisheye = fisheye && yaml_.read_number(fisheye, "fisheye_model") != 0;
     const YAML::Node node = root_["distortion_model"];
     if (!node) return is_fisheye ? std::optional(DistortionModel::kEquidistant) : std::nullopt;
     const std::string model = node.IsScalar() ? node.Scalar() : std::string();
     if (model == "plumb_bob") return DistortionModel::kPlumbBob;
     if (model == "rational_polynomial") return DistortionModel::kRationalPolynomial;
     if (model == "equidistant" || model == "fisheye") return DistortionModel::kEquidistant;
-    refuse(node,
-           fmt::format("unknown distortion_model '{}'; there are plumb_bob, rational_polynomial, equidistant", model));
+    yaml_.refuse(
+        node,
+        fmt::format("unknown distortion_model '{}'; there are plumb_bob, rational_polynomial, equidistant", model));
   }
 
   void read_distortion(CameraModel& camera) const {
     const std::optional<DistortionModel> model = read_model();
     if (!model && !root_["distortion_coefficients"])
-      refuse(root_, "'distortion_coefficients' is missing; all 0 for none");
-    const YAML::Node node = need("distortion_coefficients");
-    std::vector<double> coefficients = read_matrix("distortion_coefficients");
+      yaml_.refuse(root_, "'distortion_coefficients' is missing; all 0 for none");
+    const YAML::Node node = yaml_.need(root_, "distortion_coefficients");
+    std::vector<double> coefficients = yaml_.read_matrix(root_, "distortion_coefficients");
     // OpenCV writes 12 or 14 for its thin-prism and tilt models; those beyond the eighth may be 0 only.
     while (coefficients.size() > 8 && coefficients.back() == 0) coefficients.pop_back();
     const std::size_t count = coefficients.size();
@@ -142,7 +92,7 @@ class CameraParser {
     camera.model =
         model.value_or(counts_as_rational ? DistortionModel::kRationalPolynomial : DistortionModel::kPlumbBob);
     const auto expect = [&](bool fits, const char* name, const char* counts) {
-      if (!fits) refuse(node, fmt::format("{} takes {} coefficients; there are {}", name, counts, count));
+      if (!fits) yaml_.refuse(node, fmt::format("{} takes {} coefficients; there are {}", name, counts, count));
     };
     switch (camera.model) {
       case DistortionModel::kPlumbBob:
@@ -159,7 +109,7 @@ class CameraParser {
   }
 
   const YAML::Node& root_;
-  const std::string& name_;
+  const YamlReader& yaml_;
 };
 
 /// OpenCV starts its files with %YAML:1.0, which YAML itself does not know: the line is blanked, so that line numbers
@@ -173,15 +123,23 @@ std::string without_opencv_directive(std::string_view text) {
 
 }  // namespace
 
-CameraModel parse_camera(std::string_view text, const std::string& name) {
+CameraCalibration parse_calibration(std::string_view text, const std::string& name) {
   YAML::Node root;
   try {
     root = YAML::Load(without_opencv_directive(text));
-    return CameraParser(root, name).parse();
+    const YamlReader yaml(name);
+    CameraCalibration calibration{CameraParser(root, yaml).parse(), {}};
+    if (const YAML::Node record = root["calibration"]; record)
+      calibration.record = read_calibration_record(record, calibration.camera, yaml);
+    return calibration;
   } catch (const YAML::Exception& error) {
     const int line = error.mark.is_null() ? 1 : error.mark.line + 1;
     throw StartupError(ExitStatus::kWrongUsage, one_line(fmt::format("{}:{}: not YAML: {}", name, line, error.msg)));
   }
+}
+
+CameraModel parse_camera(std::string_view text, const std::string& name) {
+  return parse_calibration(text, name).camera;
 }
 
 std::string format_camera(const CameraModel& camera, const std::string& camera_name) {

@@ -9,15 +9,40 @@
 ///
 /// Without distortion_model the number of coefficients tells: none, 4 or 5 plumb_bob, 8 rational_polynomial. OpenCV's
 /// `fisheye_model: 1` stands for equidistant. Other keys belong to other programs and are not read.
+///
+/// A mapping that other programs leave alone says where the numbers come from and how good they are (every key may be
+/// missing, and so may the mapping; keys of later versions are not read):
+///
+///     calibration:
+///       date: "2026-11-22"            # UTC day
+///       camera_id: "usb-046d:0825-1A2B3C"   # what the service asks the device for; empty: unknown
+///       lens: "6 mm f/2.0"
+///       views: 60
+///       rms_px: 0.04                  # residual
+///       direction_sigma_px: 0.012     # median over the picture of the expected error of a pixel's direction
+///       direction_sigma_max_px: 0.05
+///       covariance:                   # of fx, fy, cx, cy and the coefficients in their order in the file [px, 1]
+///         rows: 9
+///         cols: 9
+///         data: [...]
 #include <string>
 #include <string_view>
 
+#include "calibrate/calibration_record.h"
 #include "geometry/camera_model.h"
 
 namespace ninedot {
 
+struct CameraCalibration {
+  CameraModel camera;
+  CalibrationRecord record;
+};
+
 /// Reads and checks the text of a calibration file. \param name  how errors call the file
 /// Throws StartupError(kWrongUsage), "NAME:LINE: what is wrong".
+CameraCalibration parse_calibration(std::string_view text, const std::string& name);
+
+/// The camera of it alone; the rest is checked all the same.
 CameraModel parse_camera(std::string_view text, const std::string& name);
 
 /// The text of a calibration file that reads back to exactly the same model.

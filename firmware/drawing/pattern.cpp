@@ -5,10 +5,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/startup_error.h"
+#include "drawing/page_parts.h"
 #include "drawing/paper.h"
 #include "geometry/landmark_faults.h"
 #include "world/landmark_codes.h"
@@ -18,7 +18,6 @@ namespace {
 
 // Above: the arrow, and 2 to the sheet. Below: 12 to the bar, five lines of 5, and the printer's margin.
 constexpr double kTopBand_mm = 18, kBottomBand_mm = 44;
-constexpr double kScaleBar_mm = 100;
 constexpr double kLargestLength_mm = 10000;                     // as [landmark] of the configuration
 constexpr PageColour kBlack{0, 0, 0}, kCutGrey{0.6, 0.6, 0.6};  // seen by who cuts, too light for a dot
 
@@ -130,16 +129,6 @@ void add_up_arrow(PatternPage& page) {
   page.items.emplace_back(PageText{{x + 5, top + 7}, 5, "UP"});
 }
 
-void add_scale_bar(PatternPage& page, const PagePoint& left) {
-  constexpr double kWidth_mm = 0.25;  // one of the line widths of ISO 128
-  page.items.emplace_back(PageLine{left, {left.x_mm + kScaleBar_mm, left.y_mm}, kWidth_mm, kBlack});
-  for (int i = 0; i <= 10; ++i) {
-    const double x = left.x_mm + kScaleBar_mm * i / 10;
-    const double length_mm = i == 0 || i == 10 ? 6 : i == 5 ? 4 : 2.5;
-    page.items.emplace_back(PageLine{{x, left.y_mm}, {x, left.y_mm - length_mm}, kWidth_mm, kBlack});
-  }
-}
-
 }  // namespace
 
 std::string describe_lengths(const PatternOptions& options) {
@@ -166,14 +155,10 @@ PatternPage make_pattern_page(const PatternOptions& options) {
 
   const PagePoint bar{paper.width_mm / 2 - kScaleBar_mm / 2, kTopBand_mm + side_mm + 12};
   add_scale_bar(page, bar);
-  const std::array<std::string, 5> lines{"check: this bar is 100 mm long", page.title, describe_lengths(options),
-                                         "print at 100 % - actual size, not fitted to the page - on matt paper",
-                                         "cut along the grey lines; mount flat, arrow up: P1 is the lowest dot"};
-  double y_mm = bar.y_mm + 5;
-  for (const std::string& line : lines) {
-    page.items.emplace_back(PageText{{bar.x_mm, y_mm}, 3.2, line});
-    y_mm += 5;
-  }
+  const std::vector<std::string> lines{"check: this bar is 100 mm long", page.title, describe_lengths(options),
+                                       "print at 100 % - actual size, not fitted to the page - on matt paper",
+                                       "cut along the grey lines; mount flat, arrow up: P1 is the lowest dot"};
+  add_lines(page, {bar.x_mm, bar.y_mm + 5}, lines);
   return page;
 }
 

@@ -7,8 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "drawing/grid_page.h"
 #include "programs/assembly/input_files.h"
 #include "programs/commands/commands.h"
+#include "programs/commands/dot_grid_option.h"
 #include "programs/commands/pattern_choice.h"
 #include "programs/commands/pattern_output.h"
 #include "world/landmark_codes.h"
@@ -26,6 +28,7 @@ struct PatternCommand {
   bool has_code = false;
   bool all_of_map = false;
   std::string config;  ///< the file with the map
+  std::string grid;    ///< of dots, in place of landmarks
   std::string out;
 };
 
@@ -81,6 +84,13 @@ void print_map(const PatternCommand& command) {
   fmt::print("\n");
 }
 
+void print_grid(const PatternCommand& command) {
+  const PatternPage page = make_grid_page(read_dot_grid(command.grid), command.lengths.sheet);
+  write_pattern({&page, 1}, command.out);
+  print_heading(command.out, page.title);
+  fmt::print(", and give `ninedot calibrate camera` the same --grid {}\n", command.grid);
+}
+
 }  // namespace
 
 void add_pattern_command(CLI::App& app) {
@@ -99,19 +109,24 @@ void add_pattern_command(CLI::App& app) {
   CLI::Option* all =
       sub->add_flag("--all", command->all_of_map, "Every landmark of a configuration's map, after a page of contents");
   CLI::Option* config = sub->add_option("--config", command->config, "The configuration file for --all");
+  CLI::Option* grid = sub->add_option("--grid", command->grid,
+                                      "A grid of dots for calibrations, COLUMNSxROWS@PITCH in mm, in place of "
+                                      "landmarks: 7x9@25 fills an A4 sheet");
+  grid->excludes(id)->excludes(code)->excludes(all);
   id->excludes(code)->excludes(all);
   code->excludes(all);
   all->needs(config);
   config->needs(all);
   sub->add_option("--sheet", lengths.sheet, "Paper: a0 to a5, letter, or WIDTHxHEIGHT in mm")->capture_default_str();
   const auto add_length = [&](const char* name, double& length_mm, const char* meaning) {
-    sub->add_option(name, length_mm, meaning)->capture_default_str()->excludes(config);
+    sub->add_option(name, length_mm, meaning)->capture_default_str()->excludes(config)->excludes(grid);
   };
   add_length("--ring-radius-mm", lengths.ring_radius_mm, "Radius of the ring P1 to P8");
   add_length("--dot-diameter-mm", lengths.dot_diameter_mm, "Diameter of P1 to P8");
   add_length("--centre-diameter-mm", lengths.centre_diameter_mm, "Diameter of P9");
   sub->add_option("--out", command->out, "FILE.svg, or FILE.pdf, which may have several pages")->required();
   sub->callback([command, code] {
+    if (!command->grid.empty()) return print_grid(*command);
     command->has_code = code->count() > 0;
     command->all_of_map ? print_map(*command) : print_chosen(*command);
   });

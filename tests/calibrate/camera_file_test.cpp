@@ -90,6 +90,84 @@ TEST(CameraFile, ReadsFisheyeCalibrations) {
             DistortionModel::kEquidistant);
 }
 
+/// What `calibration` may say, in full: a covariance of 9 x 9 with the variances 1, 1/2, 1/3 ... and fx with fy.
+std::string full_record() {
+  std::string data;
+  for (int row = 0; row < 9; ++row)
+    for (int column = 0; column < 9; ++column) {
+      const bool is_focal = row < 2 && column < 2;
+      data += (data.empty() ? "" : ", ") + std::to_string(row == column ? 1.0 / (row + 1) : is_focal ? 0.5 : 0.0);
+    }
+  return "calibration:\n"
+         "  date: \"2026-11-22\"\n"
+         "  camera_id: \"usb-046d:0825-1A2B\"\n"
+         "  lens: 6 mm f/2.0\n"
+         "  views: 60\n"
+         "  rms_px: 0.04\n"
+         "  direction_sigma_px: 0.012\n"
+         "  direction_sigma_max_px: 0.05\n"
+         "  something_later: [1, 2]\n"
+         "  covariance:\n"
+         "    rows: 9\n"
+         "    cols: 9\n"
+         "    data: [" +
+         data + "]\n";
+}
+
+std::string error_of_record(const std::string& from, const std::string& to) {
+  return error_of(kRos + replaced(full_record(), from, to));
+}
+
+TEST(CameraFile, ReadsWhatACalibrationSaysOfItself) {
+  const CalibrationRecord record = parse_calibration(kRos + full_record(), "c.yaml").record;
+  EXPECT_EQ(record.date, "2026-11-22");
+  EXPECT_EQ(record.camera_id, "usb-046d:0825-1A2B");
+  EXPECT_EQ(record.lens, "6 mm f/2.0");
+  EXPECT_EQ(record.views, 60);
+  EXPECT_EQ(record.rms_px, 0.04);
+  EXPECT_EQ(record.direction_sigma_px, 0.012);
+  EXPECT_EQ(record.direction_sigma_max_px, 0.05);
+  ASSERT_TRUE(record.covariance);
+  EXPECT_EQ((*record.covariance)(0, 0), 1);
+  EXPECT_EQ((*record.covariance)(1, 0), 0.5);
+  EXPECT_EQ((*record.covariance)(8, 8), 0.111111);
+  EXPECT_TRUE(record.covariance->bottomRows<3>().isZero(0)) << "k4 to k6 are not plumb_bob's";
+}
+
+TEST(CameraFile, OfBeforeSaysNothingOfItself) {
+  for (const std::string& text : {kRos, kOpenCv, kRos + "calibration: {}\n"}) {
+    const CalibrationRecord record = parse_calibration(text, "c.yaml").record;
+    EXPECT_TRUE(record.date.empty() && record.camera_id.empty() && record.lens.empty());
+    EXPECT_FALSE(record.views || record.rms_px || record.direction_sigma_px || record.covariance);
+  }
+}
+
+TEST(CameraFile, NamesTheLineOfEveryMistakeInWhatItSaysOfItself) {
+  EXPECT_EQ(error_of(kRos + "calibration: good\n"),
+            "c.yaml:13: calibration is no mapping: write its keys below it, or remove it");
+  EXPECT_EQ(error_of_record("2026-11-22", "22.11.2026"),
+            "c.yaml:14: date is '22.11.2026', not a day such as \"2026-11-22\"");
+  EXPECT_EQ(error_of_record("2026-11-22", "2026-02-30"),
+            "c.yaml:14: date is '2026-02-30', not a day such as \"2026-11-22\"");
+  EXPECT_EQ(error_of_record("6 mm f/2.0", "\"6 mm\\nf/2.0\""), "c.yaml:16: lens is not one line of text");
+  EXPECT_EQ(error_of_record("6 mm f/2.0", "[1]"), "c.yaml:16: lens is not a text");
+  EXPECT_EQ(error_of_record("60", "60.5"), "c.yaml:17: views is 60.5, not a whole number up to 1000000");
+  EXPECT_EQ(error_of_record("0.04", "-0.04"), "c.yaml:18: rms_px is -0.04; it can't be below 0");
+  EXPECT_EQ(error_of_record("0.012", ".inf"), "c.yaml:19: direction_sigma_px is '.inf', not a finite number");
+  EXPECT_EQ(error_of_record("  views", "  lens"), "c.yaml:17: 'lens' is there twice");
+  EXPECT_EQ(error_of_record("data: [1.000000,", "data: ["),
+            "c.yaml:23: covariance has 80 numbers, but rows x cols is 9 x 9");
+  EXPECT_EQ(error_of(kRos + "calibration:\n  covariance: [1, 0, 0, 1]\n"),
+            "c.yaml:14: covariance has 4 numbers; of fx, fy, cx, cy and 5 coefficients there are 9 x 9");
+  EXPECT_EQ(error_of_record("data: [1.000000", "data: [-1"),
+            "c.yaml:23: covariance, row 1, column 1 is -1; a variance is from 0 to 409600");
+  EXPECT_EQ(error_of_record("data: [1.000000", "data: [1e300"),
+            "c.yaml:23: covariance, row 1, column 1 is 1e+300; a variance is from 0 to 409600");
+  EXPECT_EQ(error_of_record("[1.000000, 0.500000", "[1.000000, 0.400000"), "c.yaml:23: covariance is not symmetric");
+  EXPECT_EQ(error_of_record("[1.000000", "[0.4"), "c.yaml:23: covariance is none: an eigenvalue is negative");
+  EXPECT_EQ(error_of_record("[1.000000", "[0"), "c.yaml:23: covariance, row 1, column 2 is 0.5 where a variance is 0");
+}
+
 TEST(CameraFile, ReadsBackEveryModelItWrote) {
   CameraModel camera;
   camera.fx_px = 701.123456789012345;

@@ -9,6 +9,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
+TEST(ExposureStamp, IsNeverPlausibleWhereNanosecondsHaveNoRoomForIt) {
+  EXPECT_EQ(stamp_of(3s, 14us), MonoTime(3s + 14us));
+  // 2^63 ns are 9223372036.85 s; the kernel counts on to 2^64.
+  EXPECT_EQ(stamp_of(9223372035s, 999999us), MonoTime(9223372035s + 999999us));
+  for (const auto& since_boot : {9223372036s, 9223372037s, 18446744073s, -1s})
+    EXPECT_EQ(stamp_of(since_boot, 999999us), MonoTime::max());
+}
+
 TEST(ExposureStamp, TheMiddleLiesHalfAnExposureAfterItsStartOrBeforeItsEnd) {
   const MonoTime stamp(100ms);
   const ShutterTiming timing{.exposure = 10ms, .readout = 8ms};
@@ -25,6 +33,8 @@ TEST(ExposureStamp, TheFutureAndTheDistantPastAreNotPlausible) {
   EXPECT_TRUE(is_plausible_stamp(now - 2s, now));
   EXPECT_FALSE(is_plausible_stamp(now + 1ns, now));
   EXPECT_FALSE(is_plausible_stamp(now - 2s - 1ns, now));
+  EXPECT_FALSE(is_plausible_stamp(MonoTime::min(), now)) << "a stamp that wrapped";
+  EXPECT_FALSE(is_plausible_stamp(MonoTime::max(), now));
 }
 
 TEST(ExposureStamp, ASensorStampOfTheBootClockLosesTheTimeInSuspend) {

@@ -35,6 +35,7 @@ class FakeVideoKernel final : public VideoKernel {
   // What the camera is.
   int open_error = 0;
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
+  std::string card, bus_info;
   std::vector<Format> formats;
   std::map<std::uint32_t, v4l2_queryctrl> controls;
   std::map<std::uint32_t, int> values;
@@ -117,6 +118,8 @@ class FakeVideoKernel final : public VideoKernel {
     switch (request) {
       case VIDIOC_QUERYCAP:
         as<v4l2_capability>(argument).capabilities = capabilities;
+        std::strcpy(reinterpret_cast<char*>(as<v4l2_capability>(argument).card), card.c_str());
+        std::strcpy(reinterpret_cast<char*>(as<v4l2_capability>(argument).bus_info), bus_info.c_str());
         return 0;
       case VIDIOC_G_INPUT:
         as<int>(argument) = 0;

@@ -449,5 +449,68 @@ TEST(V4l2List, FindsTheNodesThatCaptureAndSaysWhatIsInTheWay) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(V4l2Device, OfAnotherCameraThanTheCalibrationsIsRefused) {
+  Bench bench;
+  bench.kernel.card = "sensor", bench.kernel.bus_info = "platform:1";
+  bench.request.is_calibrated = true;
+  bench.request.calibrated_id = "sensor@platform:2";
+  EXPECT_EQ(bench.refusal(),
+            "this camera is 'sensor@platform:1', but the calibration is of 'sensor@platform:2': connect that one, or "
+            "set camera.calibration to a calibration of this one");
+  for (const char* const id : {"", "sensor@platform:1"}) {
+    Bench same;
+    same.kernel.card = "sensor", same.kernel.bus_info = "platform:1";
+    same.request.calibrated_id = id;
+    EXPECT_NO_THROW(same.opened());
+  }
+}
+
+TEST(V4l2Device, KeepsTheLensWhereTheConfigurationSaysAlsoWhenItWasUnplugged) {
+  Bench bench;
+  bench.kernel.add_control(V4L2_CID_FOCUS_AUTO, 0, 1, 1);
+  bench.kernel.add_control(V4L2_CID_FOCUS_ABSOLUTE, 0, 250, 68);
+  bench.request.is_calibrated = true;
+  bench.request.focus = Focus::kFixed;
+  bench.request.focus_position = 30;
+  V4l2Device& device = bench.opened();
+  const std::vector<std::pair<std::uint32_t, int>> in_order{{V4L2_CID_FOCUS_AUTO, 0}, {V4L2_CID_FOCUS_ABSOLUTE, 30}};
+  EXPECT_EQ(bench.kernel.written, in_order) << "a position is refused, or forgotten, while the automatic is on";
+  EXPECT_NE(device.description().find("focus 30"), std::string::npos) << device.description();
+  device.close();
+  bench.kernel.values[V4L2_CID_FOCUS_AUTO] = 1, bench.kernel.values[V4L2_CID_FOCUS_ABSOLUTE] = 68;
+  device.open();
+  EXPECT_EQ(bench.kernel.values[V4L2_CID_FOCUS_AUTO], 0);
+  EXPECT_EQ(bench.kernel.values[V4L2_CID_FOCUS_ABSOLUTE], 30);
+}
+
+TEST(V4l2Device, WithACalibrationRefusesALensThatFocusesByItself) {
+  const auto refusal = [](Focus focus, double position, bool calibrated, int is_on) {
+    Bench bench;
+    bench.kernel.add_control(V4L2_CID_FOCUS_AUTO, 0, 1, is_on);
+    bench.kernel.add_control(V4L2_CID_FOCUS_ABSOLUTE, 0, 250, 68);
+    bench.request.focus = focus, bench.request.focus_position = position, bench.request.is_calibrated = calibrated;
+    return bench.refusal();
+  };
+  const std::string on =
+      "autofocus is on, and a calibration holds for one focus only: set camera.focus = \"fixed\" and "
+      "camera.focus_position, from 0 to 250, as it was when the camera was calibrated";
+  EXPECT_EQ(refusal(Focus::kUnchanged, -1, true, 1), on);
+  EXPECT_EQ(refusal(Focus::kAutomatic, -1, true, 0), on);
+  EXPECT_EQ(refusal(Focus::kUnchanged, -1, true, 0), "no refusal");
+  EXPECT_EQ(refusal(Focus::kUnchanged, -1, false, 1), "no refusal");
+  EXPECT_EQ(refusal(Focus::kAutomatic, -1, false, 0), "no refusal");
+  EXPECT_EQ(refusal(Focus::kFixed, -1, true, 1), "set camera.focus_position, from 0 to 250; it is 68 now");
+  EXPECT_EQ(refusal(Focus::kFixed, 251, true, 1), "set camera.focus_position, from 0 to 250; it is 68 now");
+  Bench none;
+  none.request.is_calibrated = true;
+  none.request.focus = Focus::kFixed;
+  EXPECT_EQ(none.refusal(), "the camera has no control for the focus; remove camera.focus");
+  Bench stubborn;
+  stubborn.kernel.add_control(V4L2_CID_FOCUS_AUTO, 0, 1, 1);
+  stubborn.kernel.round_control = [](int) { return 1; };
+  stubborn.request.focus = Focus::kFixed;
+  EXPECT_EQ(stubborn.refusal(), "autofocus stays on although camera.focus is \"fixed\"; use another camera");
+}
+
 }  // namespace
 }  // namespace ninedot

@@ -1,0 +1,54 @@
+#pragma once
+/// The time from row to row of a rolling shutter, from pictures of landmarks while the camera moves.
+///
+/// A dot in a row that is exposed dt after the middle one is seen where the sheet is then. How the sheet moves is told
+/// by the poses of the frames before and after; the time of a row is what makes the dots of all frames agree with their
+/// poses. Each frame's pose is unknown too, and eliminated: shear looks like a tilt, all but its perspective, and what
+/// a tilt explains says nothing of the rows.
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "base/mono_time.h"
+#include "geometry/camera_model.h"
+#include "geometry/dot_sighting.h"
+#include "geometry/transform.h"
+
+namespace ninedot {
+
+/// One landmark in one picture, its dots as they were exposed; or taken to the middle row with a row time that is
+/// nearly right, as the localiser does where one is configured.
+struct MovingSighting {
+  std::uint16_t id = 0;
+  MonoTime at{};  ///< of the middle row
+  CameraFromLandmark T_camera_landmark;
+  DotSightings dots;
+};
+
+enum class DotSource : std::uint8_t {
+  kOutlines,  ///< the solver's: a twentieth of the row time is added to the 1-sigma, see the .cpp
+  kExact,     ///< made-up ones, that err by their noise alone
+};
+
+struct RowTimeFit {
+  double row_time_s = 0;
+  double sigma_s = 0;       ///< of the dots' uncertainty and scatter, or of its scatter between parts of the recording
+  std::size_t frames = 0;   ///< sightings that it rests on
+  double fastest_px_s = 0;  ///< of a dot through the picture: of the fastest tenth of the sightings
+  /// chi^2 of the dots over their freedoms, with the row time. [1]
+  double misfit = 1;
+};
+
+/// \param sightings  in any order; those of one landmark that follow each other at the frames' period count
+/// \param known_s  the row time that the sightings were taken to the middle row with; 0: as they were exposed. Where a
+/// dot lies is told a few hundredths short of where its outline moved to (outline_refiner.cpp): so a first answer is
+/// made right by a second one that begins with it.
+/// \param longest_s  between rows that is possible at all: the frames' period over the rows. > 0 (contract)
+/// Throws StartupError(kWorkFailed), one line: too few pictures that follow each other, a motion too slow (with how
+/// much faster it must be), a row time that can't be. Memory: allocates.
+RowTimeFit fit_row_time(std::span<const MovingSighting> sightings, const CameraModel& camera,
+                        const LandmarkGeometry& landmark, double longest_s, double known_s = 0,
+                        DotSource source = DotSource::kOutlines);
+
+}  // namespace ninedot

@@ -1,0 +1,106 @@
+#include "calibrate_camera/sufficiency.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ninedot {
+namespace {
+
+/// Nine parameters and a covariance of them that holds: with fewer the spread between views can't be told.
+constexpr std::size_t kLeastViews = 10;
+/// A focal length that is wrong by 0.5 % makes a distance wrong by as much: 5 mm of a metre.
+constexpr double kMaxFocalShare = 0.005;
+/// Half a pixel is what a careless calibration has; beyond it the pose's own sigma means nothing.
+constexpr double kMaxDirection_px = 0.5, kMaxPartDirection_px = 1;
+/// Outlines that lie so far from any lens's: the sheet is bent, or its dots are elsewhere than is said.
+constexpr double kMaxUnexplained_px = 0.7;
+
+std::string number_word(std::size_t number) {
+  constexpr const char* kWords[] = {"no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"};
+  return number < std::size(kWords) ? kWords[number] : std::to_string(number);
+}
+
+}  // namespace
+
+std::array<int, 9> views_by_part(std::span<const SheetView> views, int width_px, int height_px) {
+  std::array<int, 9> counts{};
+  for (const SheetView& view : views) {
+    std::array<bool, 9> seen{};
+    for (const SeenDisc& disc : view.seen) {
+      const int column = std::clamp(static_cast<int>(3 * disc.centre_px.x() / width_px), 0, 2);
+      const int row = std::clamp(static_cast<int>(3 * disc.centre_px.y() / height_px), 0, 2);
+      seen[3 * static_cast<std::size_t>(row) + static_cast<std::size_t>(column)] = true;
+    }
+    for (std::size_t part = 0; part < seen.size(); ++part) counts[part] += seen[part] ? 1 : 0;
+  }
+  return counts;
+}
+
+std::vector<std::string> what_views_lack(std::span<const SheetView> views, std::size_t found, int width_px,
+                                         int height_px) {
+  if (views.size() == 1 && found > 1)
+    return {fmt::format("all {} pictures show the sheet in one place: move it, or the camera, from one to the next",
+                        found)};
+  std::vector<std::string> lacks;
+  if (views.size() < kLeastViews)
+    lacks.push_back(fmt::format("{} view{} too few: take {} at least, 30 or more are good", number_word(views.size()),
+                                views.size() == 1 ? " is" : "s are", kLeastViews));
+  const std::array<int, 9> counts = views_by_part(views, width_px, height_px);
+  for (std::size_t part = 0; part < counts.size(); ++part)
+    if (counts[part] == 0)
+      lacks.push_back(
+          fmt::format("no views in the {}: show the sheet in that part of the picture too", kPartNames[part]));
+  return lacks;
+}
+
+std::vector<std::string> what_lens_lacks(const LensCalibration& calibration) {
+  std::vector<std::string> lacks;
+  const CameraModel& camera = calibration.fit.camera;
+  const Eigen::MatrixXd& covariance = calibration.covariance.matrix;
+  const double focal_share = std::sqrt(
+      std::max(covariance(0, 0) / (camera.fx_px * camera.fx_px), covariance(1, 1) / (camera.fy_px * camera.fy_px)));
+  if (!(focal_share <= kMaxFocalShare))
+    lacks.push_back(
+        fmt::format("focal length uncertain by {:.2g} %: tilt the sheet by 30 to 45 degrees in a part of the "
+                    "views, to all sides",
+                    100 * focal_share));
+  const DirectionErrors& directions = calibration.directions;
+  bool is_part_named = false;
+  for (std::size_t part = 0; part < kPartNames.size(); ++part) {
+    const auto column = static_cast<int>(part % 3), row = static_cast<int>(part / 3);
+    std::vector<double> sigmas_px;
+    for (int y = row * DirectionErrors::kRows / 3; y < (row + 1) * DirectionErrors::kRows / 3; ++y)
+      for (int x = column * DirectionErrors::kColumns / 3; x < (column + 1) * DirectionErrors::kColumns / 3; ++x)
+        sigmas_px.push_back(directions.at(x, y));
+    std::ranges::sort(sigmas_px);
+    const double sigma_px = sigmas_px[sigmas_px.size() / 2];
+    if (sigma_px <= kMaxPartDirection_px) continue;
+    is_part_named = true;
+    lacks.push_back(
+        std::isfinite(sigma_px)
+            ? fmt::format("few views in the {}: directions there are uncertain by {:.2g} px: show the sheet "
+                          "there more often",
+                          kPartNames[part], sigma_px)
+            : fmt::format("the lens has no directions in the {}: show the sheet there more often", kPartNames[part]));
+  }
+  if (!is_part_named && directions.median_px() > kMaxDirection_px)
+    lacks.push_back(fmt::format("directions are uncertain by {:.2g} px: take more views, nearer, tilted to all sides",
+                                directions.median_px()));
+  if (calibration.fit.floor_px > kMaxUnexplained_px)
+    lacks.push_back(
+        fmt::format("outlines are off by {:.2g} px whatever the lens: is the sheet flat, and are its lengths those "
+                    "that were given?",
+                    calibration.fit.floor_px));
+  const std::size_t used = calibration.views.size();
+  if (static_cast<std::size_t>(calibration.left_out) > used / 2)
+    lacks.push_back(fmt::format("{} of {} views contradict the others: were all taken with the same focus and zoom?",
+                                calibration.left_out, used + static_cast<std::size_t>(calibration.left_out)));
+  else if (used < kLeastViews)
+    lacks.push_back(fmt::format("{} views of use are too few: take {} at least, 30 or more are good", number_word(used),
+                                kLeastViews));
+  return lacks;
+}
+
+}  // namespace ninedot

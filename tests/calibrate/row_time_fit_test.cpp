@@ -1,0 +1,122 @@
+// The time of a row, from dots whose rows were exposed one after the other. The pictures here are made by asking where
+// a dot is at the time at which its row is exposed, by fixed-point iteration, with no derivative in common with the
+// fit.
+#include "calibrate/row_time_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/startup_error.h"
+#include "geometry/landmark.h"
+#include "tests/support/random.h"
+
+namespace ninedot {
+namespace {
+
+constexpr double kPeriod_s = 1.0 / 35, kNoise_px = 0.03;
+
+CameraModel camera_of_the_test() {
+  CameraModel camera;
+  camera.fx_px = camera.fy_px = 600;
+  camera.k = {-0.1, 0.03, 0, 0, 0, 0, 0, 0};
+  return camera;
+}
+
+constexpr double kLongest_s = kPeriod_s / 480;
+
+/// A hand that swings the camera before a sheet that leans. \param swing  1: half a metre to and fro each second
+CameraFromLandmark held(double time_s, double swing, double distance_m) {
+  const double phase = 2 * M_PI * 0.7 * time_s;
+  const Eigen::Matrix3d upright = (Eigen::Matrix3d() << -1, 0, 0, 0, 0, -1, 0, -1, 0).finished();
+  return {exp_so3({0.35 + 0.15 * swing * std::sin(0.8 * phase), 0.3 * swing * std::cos(phase),
+                   0.1 * swing * std::sin(phase)}) *
+              upright,
+          {swing * 0.12 * std::sin(phase), swing * 0.08 * std::cos(1.3 * phase),
+           distance_m + 0.05 * swing * std::sin(0.6 * phase)}};
+}
+
+MovingSighting sighting(double time_s, double row_time_s, double swing, double distance_m, test::Random& random) {
+  const CameraModel camera = camera_of_the_test();
+  const LandmarkGeometry landmark{};
+  MovingSighting seen{
+      7, MonoTime(std::chrono::nanoseconds(std::llround(1e9 * (time_s + 1)))), held(time_s, swing, distance_m), {}};
+  seen.T_camera_landmark.translation_m += Eigen::Vector3d(random.normal(), random.normal(), random.normal()) * 5e-4;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    const Eigen::Vector2d on_sheet_m = landmark.centre_m(dot);
+    double since_s = 0;
+    Eigen::Vector2d px;
+    for (int i = 0; i < 30; ++i) {
+      const CameraFromLandmark T = held(time_s + since_s, swing, distance_m);
+      px = camera.pixel_from_normalised((T * Eigen::Vector3d(on_sheet_m.x(), 0, on_sheet_m.y())).hnormalized());
+      since_s = row_time_s * (px.y() - 239.5);
+    }
+    px += kNoise_px * Eigen::Vector2d(random.normal(), random.normal());
+    seen.dots[dot].ray = camera.normalised_from_pixel(px).value();
+    seen.dots[dot].information = Eigen::Matrix2d::Identity() * std::pow(camera.fx_px / kNoise_px, 2);
+  }
+  return seen;
+}
+
+std::vector<MovingSighting> film(double row_time_s, double swing, double distance_m, std::uint64_t seed,
+                                 int frames = 60) {
+  test::Random random(seed);
+  std::vector<MovingSighting> all;
+  for (int i = 0; i < frames; ++i) all.push_back(sighting(i * kPeriod_s, row_time_s, swing, distance_m, random));
+  return all;
+}
+
+std::string refusal(const std::vector<MovingSighting>& sightings) {
+  try {
+    fit_row_time(sightings, camera_of_the_test(), {}, kLongest_s, 0, DotSource::kExact);
+  } catch (const StartupError& error) {
+    EXPECT_EQ(error.status, ExitStatus::kWorkFailed);
+    return error.what();
+  }
+  return "no refusal";
+}
+
+TEST(RowTimeFit, IsAsFarFromTheTruthAsItSays) {
+  for (const double row_time_s : {0.0, 15e-6, 45e-6}) {
+    double squares = 0;
+    constexpr int kFilms = 30;
+    for (std::uint64_t seed = 0; seed < kFilms; ++seed) {
+      const RowTimeFit fit =
+          fit_row_time(film(row_time_s, 1, 0.5, seed), camera_of_the_test(), {}, kLongest_s, 0, DotSource::kExact);
+      squares += std::pow((fit.row_time_s - row_time_s) / fit.sigma_s, 2);
+      if (seed < 4)
+        printf("%g: %g +- %g misfit %g v %g\n", row_time_s * 1e6, fit.row_time_s * 1e6, fit.sigma_s * 1e6, fit.misfit,
+               fit.fastest_px_s);
+      EXPECT_LT(fit.sigma_s, 1e-6);
+      EXPECT_NEAR(fit.misfit, 1, 0.25);
+    }
+    EXPECT_GT(std::sqrt(squares / kFilms), 0.5) << row_time_s;
+    EXPECT_LT(std::sqrt(squares / kFilms), 1.4) << row_time_s;
+  }
+}
+
+TEST(RowTimeFit, DoesNotCareForTheOrderNorForAPictureThatShowsSomethingElse) {
+  std::vector<MovingSighting> sightings = film(30e-6, 1, 0.5, 5);
+  const RowTimeFit right = fit_row_time(sightings, camera_of_the_test(), {}, kLongest_s, 0, DotSource::kExact);
+  std::swap(sightings[3], sightings[40]);
+  EXPECT_EQ(fit_row_time(sightings, camera_of_the_test(), {}, kLongest_s, 0, DotSource::kExact).row_time_s,
+            right.row_time_s);
+  for (DotSighting& dot : sightings[20].dots) dot.ray.x() *= 1.2;
+  const RowTimeFit spoiled = fit_row_time(sightings, camera_of_the_test(), {}, kLongest_s, 0, DotSource::kExact);
+  EXPECT_NEAR(spoiled.row_time_s, right.row_time_s, 4 * right.sigma_s);
+}
+
+TEST(RowTimeFit, RefusesWhatDoesNotTellItAndSaysWhatIsMissing) {
+  EXPECT_NE(refusal(film(30e-6, 0.02, 0.5, 1)).find("the motion is too slow"), std::string::npos)
+      << refusal(film(30e-6, 0.02, 0.5, 1));
+  EXPECT_NE(refusal(film(30e-6, 0, 0.5, 1)).find("the motion is too slow"), std::string::npos)
+      << refusal(film(30e-6, 0, 0.5, 1));
+  EXPECT_EQ(refusal(film(30e-6, 1, 0.5, 1, 20)).substr(0, 51), "16 pictures show a landmark with two before and two");
+  EXPECT_EQ(refusal({}).substr(0, 11), "0 pictures ");
+  EXPECT_NE(refusal(film(-30e-6, 1, 0.5, 1)).find("stands on its head"), std::string::npos);
+  EXPECT_NE(refusal(film(75e-6, 1, 0.5, 1)).find("more than a frame has time for"), std::string::npos)
+      << refusal(film(75e-6, 1, 0.5, 1));
+}
+
+}  // namespace
+}  // namespace ninedot
