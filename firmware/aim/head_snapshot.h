@@ -11,10 +11,12 @@ namespace ninedot {
 
 struct HeadSnapshot {
   HeadTrack track;
+  AimState state = AimState::kHold;
   bool limited = false, failed = false, inhibited = false;  ///< as in ReportHead
   std::uint32_t order = 0;                                  ///< AimOrder::number of the order that it follows
   OrderProgress progress = OrderProgress::kNone;            ///< of that order
   std::uint32_t losses = 0;                                 ///< HeadState::losses
+  std::chrono::nanoseconds sweep{};  ///< how long the sweep of kSearch takes as a whole, from where it began
   std::chrono::nanoseconds pulse_error_p99{}, pulse_error_max{};
 };
 static_assert(std::is_trivially_copyable_v<HeadSnapshot>);

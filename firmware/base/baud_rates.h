@@ -14,4 +14,12 @@ constexpr bool is_baud_rate(int baud) noexcept {
   return std::find(kBaudRates.begin(), kBaudRates.end(), baud) != kBaudRates.end();
 }
 
+/// Of the lines to a head: VISCA cameras' and smart servos' rates, as far as Linux has them (asm-generic/termbits.h).
+inline constexpr std::array kServoBaudRates = {9600,   19200,   38400,   57600,   115200,
+                                               500000, 1000000, 2000000, 3000000, 4000000};
+
+constexpr bool is_servo_baud_rate(int baud) noexcept {
+  return std::find(kServoBaudRates.begin(), kServoBaudRates.end(), baud) != kServoBaudRates.end();
+}
+
 }  // namespace ninedot

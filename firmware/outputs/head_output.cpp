@@ -5,15 +5,19 @@
 namespace ninedot {
 namespace {
 
-AimSight sight_of(const Report& report) noexcept {
-  AimSight sight;
-  // Of two poses that fit alike both say where the landmark is; only its orientation is in doubt.
-  sight.valid = report.valid;
-  sight.exposed_at = report.exposed_at;
+using Sights = InlineVector<AimSight, kMostReportSights + 1>;
+
+/// Of the newest frame: what an older report shows was followed when it was new.
+Sights sights_of(const Report& report) noexcept {
+  Sights sights;
+  if (!report.valid) return sights;
   const auto& [w, x, y, z] = report.camera_in_landmark.quaternion_wxyz;
   const Eigen::Vector3d camera_landmark_m(report.camera_in_landmark.position_m.data());
-  sight.landmark_camera_m = Eigen::Quaterniond(w, x, y, z).conjugate() * -camera_landmark_m;
-  return sight;
+  (void)sights.try_push_back(
+      {report.landmark_id, report.exposed_at, Eigen::Quaterniond(w, x, y, z).conjugate() * -camera_landmark_m});
+  for (const ReportSight& other : report.others)
+    (void)sights.try_push_back({other.id, report.exposed_at, Eigen::Vector3d(other.landmark_camera_m.data())});
+  return sights;
 }
 
 HeadSnapshot snapshot_at_the_start(const PanTilt& head) noexcept {
@@ -27,6 +31,7 @@ HeadSnapshot snapshot_at_the_start(const PanTilt& head) noexcept {
 HeadOutput::HeadOutput(const CameraModel& camera, const AimOptions& options, PanTilt& head, const DigitalInput* inhibit,
                        const AimOrder& first_order) noexcept
     : aimer_(camera, options, head.state().angles),
+      park_(options.park),
       arrival_(options),
       head_(head),
       inhibit_(inhibit),
@@ -37,23 +42,30 @@ void HeadOutput::take(const Report& newest, bool is_new, MonoTime now) noexcept 
   const AimOrder order = orders_.take();
   const HeadState state = head_.state();
   const bool inhibited = inhibit_ != nullptr && inhibit_->is_active();
-  // What an older report shows was followed when it was new.
-  const AimSight sight = is_new ? sight_of(newest) : AimSight{};
-  const AimStep step = aimer_.step(now, state.angles, sight, order, inhibited);
+  const Sights sights = is_new ? sights_of(newest) : Sights{};
+  const AimStep step = aimer_.step(now, state, {is_new, sights.span()}, order, inhibited);
   move(step.command, inhibited);
   const bool limited = step.limited || state.limited;
 
   HeadSnapshot snapshot;
   snapshot.track = aimer_.track();
+  snapshot.state = step.state;
+  snapshot.sweep = aimer_.sweep().duration();
   snapshot.limited = limited;
   snapshot.failed = state.failed;
   snapshot.inhibited = inhibited;
   snapshot.order = order.number;
-  snapshot.progress = arrival_.step(now, order, {state.angles, step.at_goal, limited, state.failed, inhibited});
+  snapshot.progress =
+      arrival_.step(now, as_set_point(order), {state.angles, step.at_goal, limited, state.failed, inhibited});
   snapshot.losses = state.losses;
   snapshot.pulse_error_p99 = state.pulse_error_p99;
   snapshot.pulse_error_max = state.pulse_error_max;
   snapshots_.put(snapshot);
+}
+
+/// Who is sent to park has arrived when he stands there.
+AimOrder HeadOutput::as_set_point(const AimOrder& order) const noexcept {
+  return order.park ? AimOrder{false, park_, order.number} : order;
 }
 
 void HeadOutput::move(const HeadAngles& command, bool inhibited) noexcept {

@@ -1,5 +1,5 @@
 #pragma once
-/// The pan/tilt head as an output: report -> aiming step -> head.
+/// The pan/tilt head as an output: report -> aiming step -> head. Between reports the head goes on along its way.
 ///
 /// In a thread of its own, because a bus to the servos may take milliseconds, and below the frame loop's priority. The
 /// loop is closed through two handoffs, on neither of which anybody waits: orders come in, and what the head does goes
@@ -17,8 +17,8 @@ namespace ninedot {
 /// Memory: none after construction. Threads: see each method.
 class HeadOutput final : public Output {
  public:
-  /// With this period the head goes on to a set-point, and obeys the inhibit input, while no reports come.
-  static constexpr std::chrono::milliseconds kPeriod{100};
+  /// With this period the head goes on, and obeys the inhibit input, while no reports come.
+  static constexpr std::chrono::milliseconds kPeriod = Sweep::kTick;
 
   /// \param inhibit  while it is active nothing moves; may be null. Both must outlive this.
   HeadOutput(const CameraModel& camera, const AimOptions& options, PanTilt& head, const DigitalInput* inhibit,
@@ -35,8 +35,10 @@ class HeadOutput final : public Output {
 
  private:
   void move(const HeadAngles& command, bool inhibited) noexcept;
+  AimOrder as_set_point(const AimOrder& order) const noexcept;
 
   Aimer aimer_;
+  const HeadAngles park_;
   Arrival arrival_;
   PanTilt& head_;
   const DigitalInput* const inhibit_;

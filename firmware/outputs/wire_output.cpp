@@ -65,6 +65,11 @@ void fill_pose(const Report& report, WireReport& wire) noexcept {
   wire.camera_in_landmark = wire_pose(report.camera_in_landmark);
   for (std::size_t axis = 0; axis < 3; ++axis) wire.sigma_landmark_mm[axis] = std::sqrt(variance(axis)) * kMmPerM;
   wire.sigma_rotation_deg = std::sqrt(variance(3) + variance(4) + variance(5)) * kDegPerRad;
+  wire.sigma_calibration_landmark_mm = report.calibration_sigma_m * kMmPerM;
+  wire.sigma_calibration_mm =
+      (wire.output.content == PoseContent::kCameraInLandmark ? report.calibration_sigma_m
+                                                             : report.calibration_sigma_world_m) *
+      kMmPerM;
   wire.ambiguity = report.ambiguity;
   wire.rms_px = report.rms_px;
   wire.dots_used = report.dots_used;
@@ -110,6 +115,7 @@ WireReport wire_report(const Report& report, const PoseOutput& output) noexcept 
   wire.inhibited = report.head.inhibited;
   wire.pan_deg = report.head.pan_rad * kDegPerRad;
   wire.tilt_deg = report.head.tilt_rad * kDegPerRad;
+  wire.head_state = report.head.state;
   return wire;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// From [pan_tilt] and [gpio] of the configuration to a head that stands at its neutral position, under power, as soon
+/// From [pan_tilt] and [gpio] of the configuration to a head under power, as soon
 /// as its devices are there.
 #include <functional>
 #include <memory>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "config/config.h"
+#include "drivers/simulation/simulated_head.h"
 #include "outputs/head_output.h"
 #include "programs/assembly/watched_device.h"
 
@@ -25,10 +26,11 @@ struct OpenedHead {
 };
 
 /// Opens what is there; what is not, in use, or not permitted is waited for. While the inhibit input is active or not
-/// there the head is not opened, because opening brings it to its neutral position.
+/// there the head is not opened, because a servo may move as it gets its first pulse.
 /// Throws StartupError(kWrongUsage) for what no waiting mends: a channel or offset that its chip does not have, a
 /// device that is no serial port.
-OpenedHead open_head(const Config& config, const CameraModel& camera);
+/// \param head_line  to the servos of a simulated camera, for driver "simulated"; null: that head is in memory only
+OpenedHead open_head(const Config& config, const CameraModel& camera, const std::shared_ptr<HeadLine>& head_line);
 
 /// What open_head would refuse or wait for, part by part; moves and drives nothing.
 /// \param attempt  called with a key and a step, which throws as the devices' drivers do: DeviceAbsent, StartupError

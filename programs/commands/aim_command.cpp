@@ -1,4 +1,4 @@
-// `ninedot aim`: points the head of a running service, or lets it follow again, as any Modbus client could.
+// `ninedot aim`: points the head of a running service, parks it, or lets it follow again, as any Modbus client could.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -28,7 +28,7 @@ struct AimArguments {
   std::string host = "127.0.0.1";
   std::uint16_t port = 1502;
   std::optional<double> pan_deg, tilt_deg;
-  bool follow = false;
+  bool follow = false, park = false;
   double wait_s = 10;
 };
 
@@ -45,12 +45,14 @@ std::uint16_t send(ServiceClient& service, const AimArguments& arguments, const 
     return word[0];
   };
   const auto sequence = static_cast<std::uint16_t>(before.integer(reg::kCommandSequence) + 1);
-  if (!arguments.follow) {
+  if (!arguments.follow && !arguments.park) {
     const std::array<std::uint16_t, 2> points{set_point(reg::kPanSetPoint, arguments.pan_deg, reg::kPan),
                                               set_point(reg::kTiltSetPoint, arguments.tilt_deg, reg::kTilt)};
     service.write(reg::kPanSetPoint, points);
   }
-  const auto code = static_cast<std::uint16_t>(arguments.follow ? Command::kFollow : Command::kPoint);
+  const auto code = static_cast<std::uint16_t>(arguments.follow ? Command::kFollow
+                                               : arguments.park ? Command::kPark
+                                                                : Command::kPoint);
   service.write(reg::kCommand, std::array<std::uint16_t, 2>{code, sequence});
   return sequence;
 }
@@ -92,8 +94,9 @@ RegisterReader wait_until_done(ServiceClient& service, std::uint16_t sequence, s
 }
 
 void run_aim(const AimArguments& arguments) {
-  if (arguments.follow == (arguments.pan_deg || arguments.tilt_deg))
-    throw StartupError(ExitStatus::kWrongUsage, "say either --follow, or where to: --pan-deg and --tilt-deg");
+  const bool points = arguments.pan_deg || arguments.tilt_deg;
+  if (int{arguments.follow} + int{arguments.park} + int{points} != 1)
+    throw StartupError(ExitStatus::kWrongUsage, "say either --follow, --park, or where to: --pan-deg and --tilt-deg");
   ServiceClient service(arguments.host, arguments.port);
   const RegisterReader before = service.read();
   if (!before.status(status_bit::kHasHead)) service.fail("the service has no head: set pan_tilt.driver");
@@ -120,6 +123,7 @@ void add_aim_command(CLI::App& app) {
       ->check(CLI::Range(-90.0, 90.0))
       ->check(refuse_nan);
   command->add_flag("--follow", arguments->follow, "follow the landmark again");
+  command->add_flag("--park", arguments->park, "go to the parking place and stay there");
   command->add_option("--wait-s", arguments->wait_s, "how long the head may take; 0 = do not wait; default: 10")
       ->check(CLI::Range(0.0, 3600.0))
       ->check(refuse_nan);

@@ -145,15 +145,54 @@ TEST(HeadOutput, GoesToASetPointAndSaysWhenItLiesBeyondTheLimits) {
   EXPECT_EQ(snapshot.order, 1U);
 }
 
-TEST(HeadOutput, FollowsNothingThatIsNotNew) {
+TEST(HeadOutput, GoesOnBetweenFramesButTakesNoReportForANewOne) {
   Rig rig;
   rig.one_frame();
   rig.one_frame();
   ASSERT_TRUE(rig.report.valid);
-  const HeadAngles before = rig.head.state().angles;
-  for (int i = 0; i < 10; ++i) rig.output.take(rig.report, false, MonoTime(2s) + i * kFrame);
-  EXPECT_EQ(rig.head.state().angles.pan_rad, before.pan_rad);
-  EXPECT_EQ(rig.head.state().angles.tilt_rad, before.tilt_rad);
+  const double before_rad = rig.off_axis_rad();
+  for (int i = 0; i < 5; ++i) rig.output.take(rig.report, false, MonoTime(1070ms) + i * HeadOutput::kPeriod);
+  EXPECT_LT(rig.off_axis_rad(), before_rad - 2 * kDeg);
+  for (int i = 0; i < 60; ++i) rig.output.take(rig.report, false, MonoTime(1120ms) + i * HeadOutput::kPeriod);
+  EXPECT_EQ(rig.output.snapshots().take().state, AimState::kCoast) << "without a frame it is out of sight";
+}
+
+TEST(HeadOutput, ParksAndSaysWhenItIsThere) {
+  AimOptions options = aim_options();
+  options.park = {-20 * kDeg, 10 * kDeg};
+  SimulatedPanTilt head(axes(), {});
+  HeadOutput output(CameraModel{}, options, head, nullptr, {});
+  output.order({true, {}, 5, true});
+  HeadSnapshot snapshot;
+  for (int i = 0; i < 200 && snapshot.progress != OrderProgress::kDone; ++i) {
+    output.take(Report{}, false, MonoTime(1s) + i * HeadOutput::kPeriod);
+    snapshot = output.snapshots().take();
+    if (i < 20) {
+      EXPECT_EQ(snapshot.progress, OrderProgress::kRunning) << "sent, and not there yet";
+    }
+  }
+  EXPECT_EQ(snapshot.progress, OrderProgress::kDone);
+  EXPECT_EQ(snapshot.state, AimState::kPark);
+  EXPECT_NEAR(head.state().angles.pan_rad, -20 * kDeg, 1e-9);
+}
+
+/// Beside the landmark that is reported, the head knows the others of the frame.
+TEST(HeadOutput, FollowsTheLandmarkThatItIsToldToThoughAnotherIsReported) {
+  AimOptions options = aim_options();
+  options.landmark = LandmarkChoice::kById;
+  options.landmark_id = 7;
+  SimulatedPanTilt head(axes(), {});
+  HeadOutput output(CameraModel{}, options, head, nullptr, {});
+  Report report;
+  report.valid = true;
+  report.landmark_id = 3;
+  report.camera_in_landmark.position_m = {0, -2, 0};
+  ASSERT_TRUE(report.others.try_push_back({7, {-0.4, 0, 2}}));
+  report.exposed_at = MonoTime(1s);
+  output.take(report, true, MonoTime(1020ms));
+  EXPECT_EQ(output.snapshots().take().state, AimState::kAcquire);
+  for (int i = 1; i < 8; ++i) output.take(report, false, MonoTime(1020ms) + i * HeadOutput::kPeriod);
+  EXPECT_GT(head.state().angles.pan_rad, 2 * kDeg) << "to the left, where 7 is";
 }
 
 /// Takes its time, as a slow bus does, and remembers when it was told what.
