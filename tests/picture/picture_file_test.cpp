@@ -128,8 +128,9 @@ TEST(PictureDecoder, ReadsPgmAndPpmWithComments) {
 }
 
 TEST(PictureDecoder, RefusesDamagedPnm) {
-  for (const char* const text : {"P5", "P5 2 1 255", "P5 2 1 255\na", "P5 2 1 65535\nabcd", "P5 0 1 255\n",
-                                 "P5 2 9999 255\nab", "P5 2 123456 255\nab", "P4 2 1\nab", "P5 -2 1 255\nab", ""}) {
+  for (const char* const text :
+       {"P5", "P5 2 1 255", "P5 2 1 255\na", "P5 2 1 65535\nabcd", "P5 2 1 15\nab", "P5 0 1 255\n", "P5 2 9999 255\nab",
+        "P5 2 123456 255\nab", "P4 2 1\nab", "P5 -2 1 255\nab", ""}) {
     const Decoded decoded = decode(bytes_of(text), {2, 1});
     ASSERT_FALSE(decoded.result) << text;
     EXPECT_EQ(decoded.result.error().code, Errc::kFrameUnreadable) << text;

@@ -1,0 +1,79 @@
+// The page, a process of its own: configuration -> tap -> messages -> browsers. The service knows nothing of it.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <string>
+
+#include "base/startup_error.h"
+#include "config/config.h"
+#include "config/config_checks.h"
+#include "drivers/posix/service_manager.h"
+#include "drivers/posix/signals.h"
+#include "programs/assembly/input_files.h"
+#include "programs/program.h"
+#include "programs/web/access.h"
+#include "programs/web/live_json.h"
+#include "programs/web/web_server.h"
+
+namespace ninedot {
+namespace {
+
+/// Of a map that was changed meanwhile the page shows the new one; of one that is wrong, the one before.
+class NewestMap {
+ public:
+  explicit NewestMap(std::string config_path) : config_path_(std::move(config_path)) {}
+  std::string json() {
+    const MonoTime now = mono_now();
+    if (!json_.empty() && now - read_at_ < std::chrono::seconds(2)) return json_;
+    read_at_ = now;
+    try {
+      json_ = map_json(read_config(config_path_));
+    } catch (const StartupError&) {
+      if (json_.empty()) json_ = "[]";
+    }
+    return json_;
+  }
+
+ private:
+  const std::string config_path_;
+  MonoTime read_at_{};
+  std::string json_;
+};
+
+void run_web(const std::string& config_path) {
+  const Config config = read_config(config_path);
+  const WebConfig& web = config.web;
+  if (!config.tap.enabled)
+    throw StartupError(ExitStatus::kWrongUsage,
+                       config_path + ": the page needs the tap: write `enabled = true` under [tap]");
+  NewestMap map(config_path);
+  WebServerOptions options{web, config.tap.path, {}, [&] { return map.json(); }};
+  options.rules.tls = !web.certificate.empty();
+  options.rules.names = web.names;
+  if (!web.token_file.empty()) options.rules.token = read_token(web.token_file);
+  const TerminationSignals signals;  // before the first thread
+  WebServer server(options);
+  const bool is_v6 = web.listen.find(':') != std::string::npos;
+  fmt::print(stderr, "ninedot-web: {}://{}:{}\n", options.rules.tls ? "https" : "http",
+             is_v6 ? "[" + web.listen + "]" : web.listen, web.port);
+  if (!is_loopback(web.listen) && !options.rules.tls)
+    fmt::print(stderr,
+               "ninedot-web: WARNING: without TLS the token and the pictures cross the network in the clear; "
+               "give [web] a certificate and a key\n");
+  ServiceManager manager;
+  manager.ready();
+  server.run([&] { return signals.wait(std::chrono::nanoseconds(0)) != 0; });
+  manager.stopping();
+}
+
+}  // namespace
+}  // namespace ninedot
+
+// NOLINTNEXTLINE(bugprone-exception-escape): CLI11 throws here for a mistake in the declarations below, before any run
+int main(int argc, char** argv) {
+  CLI::App app{"The page of a running ninedotd: what it sees, its health, its registers, its map.", "ninedot-web"};
+  std::string config_path;
+  app.add_option("--config", config_path, "the service's configuration: its [tap] and [web] are read")->required();
+  return ninedot::run_program(app, argc, argv, [&] { ninedot::run_web(config_path); });
+}

@@ -1,0 +1,112 @@
+#include "programs/web/access.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include "base/startup_error.h"
+#include "drivers/posix/file_descriptor.h"
+
+namespace ninedot {
+namespace {
+
+bool is_ip_address(const std::string& text) {
+  in6_addr address{};
+  return ::inet_pton(AF_INET, text.c_str(), &address) == 1 || ::inet_pton(AF_INET6, text.c_str(), &address) == 1;
+}
+
+/// "sensor:8090" and "[::1]:8090" without the port.
+std::string name_of_host(std::string_view host) {
+  if (host.starts_with('[')) return std::string(host.substr(1, host.find(']') - 1));
+  return std::string(host.substr(0, host.find(':')));
+}
+
+}  // namespace
+
+bool is_same_secret(std::string_view given, std::string_view secret) noexcept {
+  // Every character of the secret is looked at, whatever was given.
+  unsigned differs = given.size() == secret.size() ? 0 : 1;
+  for (std::size_t i = 0; i < secret.size(); ++i) {
+    const char other = i < given.size() ? given[i] : '\0';
+    differs |= static_cast<unsigned>(static_cast<unsigned char>(secret[i]) ^ static_cast<unsigned char>(other));
+  }
+  volatile unsigned result = differs;
+  return result == 0;
+}
+
+std::string read_token(const std::string& file) {
+  const auto refuse = [&](const std::string& what) {
+    throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}: {}", file, what));
+  };
+  const FileDescriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!descriptor) refuse(fmt::format("the token can't be read: {}", std::strerror(errno)));
+  struct stat status {};
+  if (::fstat(descriptor.get(), &status) != 0) refuse(std::strerror(errno));
+  if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
+    refuse(fmt::format("others may read this token: chmod 600 {}, and write another one into it", file));
+  std::array<char, 512> buffer{};
+  const ssize_t size = ::read(descriptor.get(), buffer.data(), buffer.size());
+  std::string token(buffer.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+  while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
+  if (token.size() < kLeastTokenLength || token.size() >= buffer.size() - 2 ||
+      !std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c < '\x7F'; }))
+    refuse(fmt::format("a token is one line of {} to 500 characters without spaces: openssl rand -hex 16 > {}",
+                       kLeastTokenLength, file));
+  return token;
+}
+
+bool TokenGate::is_closed_for(const std::string& peer, MonoTime now) const noexcept {
+  return std::any_of(peers_.begin(), peers_.end(), [&](const Peer& known) {
+    return known.wrong >= kMaxWrong && known.address == peer && now - known.since < kPeriod;
+  });
+}
+
+void TokenGate::note_wrong(const std::string& peer, MonoTime now) {
+  auto place = std::find_if(peers_.begin(), peers_.end(), [&](const Peer& known) { return known.address == peer; });
+  if (place == peers_.end())
+    place =
+        std::min_element(peers_.begin(), peers_.end(), [](const Peer& a, const Peer& b) { return a.since < b.since; });
+  if (place->address != peer || now - place->since >= kPeriod) *place = {peer, 0, now};
+  ++place->wrong;
+}
+
+bool Access::is_our_host(std::string_view host) const {
+  const std::string name = name_of_host(host);
+  return name == "localhost" || is_ip_address(name) ||
+         std::find(rules_.names.begin(), rules_.names.end(), name) != rules_.names.end();
+}
+
+Refusal Access::check_token(const RequestHead& head, MonoTime now) {
+  if (rules_.token.empty()) return {};
+  if (gate_.is_closed_for(head.peer, now))
+    return {429, "Too many wrong tokens from this address: wait a minute.\n", true};
+  constexpr std::string_view kScheme = "Bearer ";
+  if (!head.authorization.starts_with(kScheme)) return {401, "This page needs its token.\n"};
+  if (is_same_secret(head.authorization.substr(kScheme.size()), rules_.token)) return {};
+  gate_.note_wrong(head.peer, now);
+  return {401, "This is not the token of this page.\n"};
+}
+
+Refusal Access::refusal_of(const RequestHead& head, MonoTime now) {
+  if (head.method != "GET" && head.method != "HEAD")
+    return {405, "Nothing can be changed here: only GET and HEAD are answered.\n"};
+  if ((!head.content_length.empty() && head.content_length != "0") || !head.transfer_encoding.empty())
+    return {413, "A request that looks has no body.\n"};
+  if (!is_our_host(head.host))
+    return {421, "This machine does not know itself by that name: add it to `names` of [web], or use its address.\n"};
+  const std::string own_origin = fmt::format("{}://{}", rules_.tls ? "https" : "http", head.host);
+  if (!head.origin.empty() && head.origin != own_origin) return {403, "Not for other pages.\n"};
+  if (!head.path.starts_with("/api/")) return {};
+  if (head.fetch_site == "cross-site" || head.fetch_site == "same-site") return {403, "Not for other pages.\n"};
+  // What must be known to ask for the token is told without it.
+  return head.path == "/api/session" ? Refusal{} : check_token(head, now);
+}
+
+}  // namespace ninedot

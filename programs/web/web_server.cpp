@@ -1,0 +1,400 @@
+// Long polling: a page asks for the next message and its connection is laid aside until there is one, so that a slow
+// page gets fewer messages and no queue exists anywhere. A connection is the library's; what is kept here of it is one
+// entry in a fixed table, for the deadline by which its request must have come.
+#include "programs/web/web_server.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <microhttpd.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <condition_variable>
+#include <cstring>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "base/startup_error.h"
+#include "config/config_checks.h"
+#include "drivers/posix/text_file.h"
+#include "programs/web/live_feed.h"
+#include "programs/web/live_json.h"
+#include "programs/web/page_files.h"
+#include "programs/web/viewers.h"
+#include "proto/register_document.h"
+
+namespace ninedot {
+namespace {
+
+constexpr std::size_t kRequestMemory_bytes = std::size_t{16} * 1024;
+constexpr std::size_t kMaxPem_bytes = std::size_t{64} * 1024;
+
+// Nothing from outside, nothing inline, in no frame.
+constexpr const char* kContentPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; base-uri "
+    "'none'; "
+    "form-action 'none'; frame-ancestors 'none'";
+
+sockaddr_storage address_of(const WebConfig& web) {
+  sockaddr_storage storage{};
+  auto& v4 = reinterpret_cast<sockaddr_in&>(storage);
+  auto& v6 = reinterpret_cast<sockaddr_in6&>(storage);
+  if (::inet_pton(AF_INET, web.listen.c_str(), &v4.sin_addr) == 1) {
+    v4.sin_family = AF_INET;
+    v4.sin_port = htons(web.port);
+  } else if (::inet_pton(AF_INET6, web.listen.c_str(), &v6.sin6_addr) == 1) {
+    v6.sin6_family = AF_INET6;
+    v6.sin6_port = htons(web.port);
+  }
+  return storage;
+}
+
+std::string text_of(const sockaddr* address) {
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  if (address != nullptr && address->sa_family == AF_INET)
+    ::inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(address)->sin_addr, text.data(), text.size());
+  if (address != nullptr && address->sa_family == AF_INET6)
+    ::inet_ntop(AF_INET6, &reinterpret_cast<const sockaddr_in6*>(address)->sin6_addr, text.data(), text.size());
+  return text.data();
+}
+
+std::string_view header_of(MHD_Connection* connection, const char* name) {
+  const char* const value = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
+  return value == nullptr ? std::string_view() : std::string_view(value);
+}
+
+RequestHead head_of(MHD_Connection* connection, const char* path, const char* method) {
+  const auto* const peer = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+  return {method,
+          path,
+          header_of(connection, "Host"),
+          header_of(connection, "Origin"),
+          header_of(connection, "Sec-Fetch-Site"),
+          header_of(connection, "Authorization"),
+          header_of(connection, "Content-Length"),
+          header_of(connection, "Transfer-Encoding"),
+          text_of(peer == nullptr ? nullptr : peer->client_addr)};
+}
+
+/// One answer, sent when it goes out of scope.
+class Answer {
+ public:
+  Answer(MHD_Connection* connection, std::span<const std::uint8_t> bytes, bool is_static)
+      : connection_(connection),
+        response_(MHD_create_response_from_buffer(bytes.size(), const_cast<std::uint8_t*>(bytes.data()),
+                                                  is_static ? MHD_RESPMEM_PERSISTENT : MHD_RESPMEM_MUST_COPY)) {
+    header("Content-Security-Policy", kContentPolicy);
+    header("X-Content-Type-Options", "nosniff");
+    header("Referrer-Policy", "no-referrer");
+    header("Cross-Origin-Resource-Policy", "same-origin");
+    header("Cross-Origin-Opener-Policy", "same-origin");
+    header("Permissions-Policy", "camera=(), microphone=(), geolocation=()");
+  }
+  ~Answer() {
+    if (response_ != nullptr) MHD_destroy_response(response_);
+  }
+  Answer(const Answer&) = delete;
+  Answer& operator=(const Answer&) = delete;
+
+  Answer& header(const char* name, const char* value) {
+    if (response_ != nullptr) MHD_add_response_header(response_, name, value);
+    return *this;
+  }
+  MHD_Result send(unsigned status) {
+    return response_ == nullptr ? MHD_NO : MHD_queue_response(connection_, status, response_);
+  }
+
+ private:
+  MHD_Connection* connection_;
+  MHD_Response* response_;
+};
+
+std::span<const std::uint8_t> bytes_of(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+MHD_Result send_text(MHD_Connection* connection, unsigned status, std::string_view text, const char* type,
+                     bool retry_later = false) {
+  Answer answer(connection, bytes_of(text), false);
+  answer.header("Content-Type", type).header("Cache-Control", "no-store");
+  if (status == MHD_HTTP_METHOD_NOT_ALLOWED) answer.header("Allow", "GET, HEAD");
+  if (status == MHD_HTTP_UNAUTHORIZED) answer.header("WWW-Authenticate", "Bearer");
+  if (retry_later) answer.header("Retry-After", "60");
+  return answer.send(status);
+}
+
+constexpr const char* kPlain = "text/plain; charset=utf-8";
+constexpr const char* kJson = "application/json";
+
+MHD_Result send_file(MHD_Connection* connection, std::string_view path) {
+  const std::string_view name = path == "/" ? "index.html" : path.substr(1);
+  const auto files = page_files();
+  const auto file = std::find_if(files.begin(), files.end(), [&](const PageFile& f) { return f.name == name; });
+  if (file == files.end()) return send_text(connection, MHD_HTTP_NOT_FOUND, "There is no such page.\n", kPlain);
+  const bool is_known = header_of(connection, "If-None-Match") == file->tag;
+  Answer answer(connection, is_known ? std::span<const std::uint8_t>() : file->bytes, true);
+  answer.header("Content-Type", content_type_of(name)).header("ETag", file->tag).header("Cache-Control", "no-cache");
+  return answer.send(is_known ? MHD_HTTP_NOT_MODIFIED : MHD_HTTP_OK);
+}
+
+/// Four bytes, big-endian, of the JSON's length; the JSON; the JPEG file.
+MHD_Result send_message(MHD_Connection* connection, const LiveMessage& message, bool with_picture) {
+  const auto length = static_cast<std::uint32_t>(message.json.size());
+  std::string body;
+  body.reserve(4 + message.json.size() + message.jpeg.size());
+  for (const unsigned shift : {24U, 16U, 8U, 0U}) body += static_cast<char>((length >> shift) & 0xFFU);
+  body += message.json;
+  if (with_picture) body += message.jpeg;
+  Answer answer(connection, bytes_of(body), false);
+  answer.header("Content-Type", "application/octet-stream").header("Cache-Control", "no-store");
+  return answer.send(MHD_HTTP_OK);
+}
+
+void forget_log(void* /*self*/, const char* /*format*/, va_list /*arguments*/) {
+  // What strangers send is no line of ours.
+}
+
+/// No path or argument of ours has any: what comes with some is another one, %00 and %2F included.
+std::size_t leave_escapes(void* /*self*/, MHD_Connection* /*connection*/, char* text) { return std::strlen(text); }
+
+std::string pem_text(const std::string& file) {
+  return file.empty() ? std::string() : read_text_file(file, kMaxPem_bytes);
+}
+
+void refuse_open_key(const std::string& file) {
+  struct stat status {};
+  if (!file.empty() && ::stat(file.c_str(), &status) == 0 && (status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
+    throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}: others may read this key: chmod 600 {}", file, file));
+}
+
+}  // namespace
+
+class WebServer::Daemon {
+ public:
+  explicit Daemon(WebServerOptions options)
+      : options_(std::move(options)),
+        access_(options_.rules),
+        feed_(options_.tap_path, options_.web.quality),
+        registers_json_(register_map_json()) {
+    start();
+  }
+  ~Daemon() {
+    {
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
+      resume_all();
+    }
+    MHD_stop_daemon(daemon_);
+  }
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
+
+  void run(const std::function<bool()>& is_over) {
+    using namespace std::chrono_literals;
+    const std::chrono::duration<double> period_s(1 / options_.web.pictures_per_s);
+    const auto period = std::chrono::duration_cast<std::chrono::nanoseconds>(period_s);
+    MonoTime due = mono_now();
+    while (!is_over()) {
+      close_slow_connections(mono_now());
+      bool has_viewers = false;
+      {
+        std::unique_lock lock(mutex_);
+        has_viewers = viewers_.count(mono_now()) > 0;
+        if (!has_viewers) somebody_.wait_for(lock, 200ms, [&] { return viewers_.count(mono_now()) > 0; });
+      }
+      if (!has_viewers) {
+        feed_.rest();
+        due = mono_now();
+        continue;
+      }
+      // The feed is this thread's alone; only the finished message is shared.
+      const auto message = feed_.next(mono_now());
+      {
+        const std::lock_guard lock(mutex_);
+        message_ = message;
+        resume_all();
+      }
+      due = std::max(due + period, mono_now());
+      std::this_thread::sleep_until(due);
+    }
+  }
+
+ private:
+  struct Guest {
+    int socket = -1;
+    MonoTime since{};          // when it connected, when its request was whole, or when that had its answer
+    bool is_answered = false;  // its request is whole
+  };
+
+  void start() {
+    const WebConfig& web = options_.web;
+    refuse_open_key(web.key);
+    key_ = pem_text(web.key);
+    certificate_ = pem_text(web.certificate);
+    sockaddr_storage address = address_of(web);
+    unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG;
+    // "::" is all networks, those of IPv4 too.
+    if (address.ss_family == AF_INET6)
+      flags |= static_cast<unsigned>(web.listen == "::" ? MHD_USE_DUAL_STACK : MHD_USE_IPv6);
+    std::vector<MHD_OptionItem> extra;
+    if (!key_.empty()) {
+      flags |= MHD_USE_TLS;
+      extra.push_back({MHD_OPTION_HTTPS_MEM_KEY, 0, key_.data()});
+      extra.push_back({MHD_OPTION_HTTPS_MEM_CERT, 0, certificate_.data()});
+    }
+    extra.push_back({MHD_OPTION_END, 0, nullptr});
+    errno = 0;
+    daemon_ = MHD_start_daemon(flags, 0, nullptr, nullptr, &Daemon::on_request, this,  //
+                               MHD_OPTION_EXTERNAL_LOGGER, &forget_log, nullptr,       //
+                               MHD_OPTION_SOCK_ADDR, reinterpret_cast<sockaddr*>(&address), MHD_OPTION_CONNECTION_LIMIT,
+                               kConnections,                                                //
+                               MHD_OPTION_PER_IP_CONNECTION_LIMIT, kConnectionsOfOne,       //
+                               MHD_OPTION_CONNECTION_TIMEOUT, 30U,                          //
+                               MHD_OPTION_CONNECTION_MEMORY_LIMIT, kRequestMemory_bytes,    //
+                               MHD_OPTION_NOTIFY_CONNECTION, &Daemon::on_connection, this,  //
+                               MHD_OPTION_NOTIFY_COMPLETED, &Daemon::on_answered, this,     //
+                               MHD_OPTION_UNESCAPE_CALLBACK, &leave_escapes, nullptr,
+                               MHD_OPTION_LISTENING_ADDRESS_REUSE, 1U,  //
+                               MHD_OPTION_ARRAY, extra.data(), MHD_OPTION_END);
+    if (daemon_ != nullptr) return;
+    const int error = errno;
+    throw StartupError(ExitStatus::kWorkFailed,
+                       fmt::format("{} port {} can't be served: {}", web.listen, web.port,
+                                   error != 0 ? std::strerror(error) : "is the certificate one, and of this key?"));
+  }
+
+  static MHD_Result on_request(void* self, MHD_Connection* connection, const char* path, const char* method,
+                               const char* /*version*/, const char* /*upload*/, std::size_t* upload_bytes,
+                               void** request) {
+    // Called at the head, and once more at the request's end. What is refused is refused at the head: where a body
+    // follows the library closes the connection then, instead of reading it.
+    auto& daemon = *static_cast<Daemon*>(self);
+    if (*request != nullptr) return *upload_bytes != 0 ? MHD_NO : daemon.answer(connection, path, method);
+    *request = &daemon;
+    const Refusal refusal = daemon.access_.refusal_of(head_of(connection, path, method), mono_now());
+    if (!refusal) return MHD_YES;
+    return send_text(connection, refusal.status, refusal.text, kPlain, refusal.retry_later);
+  }
+
+  MHD_Result answer(MHD_Connection* connection, const char* path, const char* method) {
+    const MonoTime now = mono_now();
+    const RequestHead head = head_of(connection, path, method);
+    {
+      const std::lock_guard lock(mutex_);
+      if (Guest* guest = guest_of(connection); guest != nullptr && !guest->is_answered) {
+        guest->since = now;
+        guest->is_answered = true;
+      }
+    }
+    if (head.path == "/api/live") return answer_live(connection, now);
+    if (head.path == "/api/session")
+      return send_text(connection, MHD_HTTP_OK,
+                       fmt::format(R"({{"version":"{}","token":{},"tls":{},"loopback":{}}})", NINEDOT_VERSION,
+                                   !options_.rules.token.empty(), options_.rules.tls, is_loopback(options_.web.listen)),
+                       kJson);
+    if (head.path == "/api/registers") return send_text(connection, MHD_HTTP_OK, registers_json_, kJson);
+    if (head.path == "/api/map") return send_text(connection, MHD_HTTP_OK, options_.map_json(), kJson);
+    return send_file(connection, head.path);
+  }
+
+  MHD_Result answer_live(MHD_Connection* connection, MonoTime now) {
+    const char* const name = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "viewer");
+    const char* const picture = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "picture");
+    if (name == nullptr || !Viewers::is_name(name))
+      return send_text(connection, MHD_HTTP_BAD_REQUEST, "viewer= is 8 to 32 letters and digits.\n", kPlain);
+    std::unique_lock lock(mutex_);
+    Viewers::Seat* const seat = viewers_.seat_of(name, now);
+    if (seat == nullptr)
+      return send_text(connection, MHD_HTTP_SERVICE_UNAVAILABLE,
+                       "Sixteen pages are looking already: close one of them, this one tries again by itself.\n",
+                       kPlain, true);
+    somebody_.notify_one();
+    if (ending_) return MHD_NO;
+    if (message_ && message_->number > seat->served && now - made_at_ < std::chrono::seconds(1)) {
+      seat->served = message_->number;
+      const auto message = message_;
+      lock.unlock();
+      return send_message(connection, *message, picture == nullptr || std::strcmp(picture, "0") != 0);
+    }
+    // Called once more for this very request when the next message is there.
+    MHD_suspend_connection(connection);
+    waiting_.push_back(connection);
+    return MHD_YES;
+  }
+
+  /// With the mutex held.
+  void resume_all() {
+    made_at_ = mono_now();
+    for (MHD_Connection* connection : waiting_) MHD_resume_connection(connection);
+    waiting_.clear();
+  }
+
+  static int socket_of(MHD_Connection* connection) {
+    const auto* const info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    return info == nullptr ? -1 : info->connect_fd;
+  }
+  Guest* guest_of(MHD_Connection* connection) {
+    const int socket = socket_of(connection);
+    const auto guest = std::find_if(guests_.begin(), guests_.end(), [&](const Guest& g) { return g.socket == socket; });
+    return socket < 0 || guest == guests_.end() ? nullptr : &*guest;
+  }
+
+  static void on_connection(void* self, MHD_Connection* connection, void** /*context*/,
+                            MHD_ConnectionNotificationCode code) {
+    auto& daemon = *static_cast<Daemon*>(self);
+    const std::lock_guard lock(daemon.mutex_);
+    if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
+      if (Guest* const guest = daemon.guest_of(connection)) *guest = {};
+      return;
+    }
+    const auto place =
+        std::find_if(daemon.guests_.begin(), daemon.guests_.end(), [](const Guest& g) { return g.socket < 0; });
+    if (place != daemon.guests_.end()) *place = {socket_of(connection), mono_now(), false};
+  }
+
+  static void on_answered(void* self, MHD_Connection* connection, void** /*request*/,
+                          MHD_RequestTerminationCode /*code*/) {
+    auto& daemon = *static_cast<Daemon*>(self);
+    const std::lock_guard lock(daemon.mutex_);
+    if (Guest* const guest = daemon.guest_of(connection)) {
+      guest->since = mono_now();
+      guest->is_answered = false;
+    }
+  }
+
+  /// The library's own time-out begins anew with each byte, so that one byte a second lasts for ever.
+  void close_slow_connections(MonoTime now) {
+    const std::lock_guard lock(mutex_);
+    for (const Guest& guest : guests_)
+      if (guest.socket >= 0 && now - guest.since > (guest.is_answered ? kAnswerPatience : kHeadPatience))
+        ::shutdown(guest.socket, SHUT_RDWR);  // the library finds it closed, and ends it
+  }
+
+  const WebServerOptions options_;
+  Access access_;  // of the library's thread
+  LiveFeed feed_;  // of the caller's of run()
+  const std::string registers_json_;
+  std::string key_, certificate_;
+
+  std::mutex mutex_;  // of what follows
+  std::condition_variable somebody_;
+  Viewers viewers_;
+  std::array<Guest, kConnections> guests_;
+  std::vector<MHD_Connection*> waiting_;
+  std::shared_ptr<const LiveMessage> message_;
+  MonoTime made_at_{};
+  bool ending_ = false;
+
+  MHD_Daemon* daemon_ = nullptr;
+};
+
+WebServer::WebServer(WebServerOptions options) : daemon_(std::make_unique<Daemon>(std::move(options))) {}
+WebServer::~WebServer() = default;
+void WebServer::run(const std::function<bool()>& is_over) { daemon_->run(is_over); }
+
+}  // namespace ninedot

@@ -1,0 +1,155 @@
+#include "programs/web/access.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "base/startup_error.h"
+
+namespace ninedot {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::string kToken = "0123456789abcdef0123456789abcdef";
+
+RequestHead looking_at(std::string_view path) {
+  RequestHead head;
+  head.method = "GET";
+  head.path = path;
+  head.host = "127.0.0.1:8090";
+  head.peer = "10.0.0.7";
+  return head;
+}
+
+Access open_access() { return Access(AccessRules{}); }
+Access guarded_access() { return Access(AccessRules{kToken, {"sensor7"}, false}); }
+
+TEST(WebAccess, LetsLookWhoeverMayConnectWithoutAToken) {
+  Access access = open_access();
+  for (const char* path : {"/", "/api/live", "/api/map"}) EXPECT_EQ(access.refusal_of(looking_at(path), {}).status, 0U);
+}
+
+TEST(WebAccess, AnswersNoMethodThatCouldChangeAnything) {
+  Access access = open_access();
+  for (const char* method : {"POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT", "get", ""}) {
+    RequestHead head = looking_at("/");
+    head.method = method;
+    EXPECT_EQ(access.refusal_of(head, {}).status, 405U) << method;
+  }
+}
+
+TEST(WebAccess, TakesNoBody) {
+  Access access = open_access();
+  RequestHead head = looking_at("/");
+  head.content_length = "1000000000000";
+  EXPECT_EQ(access.refusal_of(head, {}).status, 413U);
+  head.content_length = "0";
+  EXPECT_EQ(access.refusal_of(head, {}).status, 0U);
+  head.transfer_encoding = "chunked";
+  EXPECT_EQ(access.refusal_of(head, {}).status, 413U);
+}
+
+TEST(WebAccess, KnowsItselfByAddressesAndItsOwnNamesAlone) {
+  Access access = guarded_access();
+  for (const char* host :
+       {"localhost:8090", "127.0.0.1", "[::1]:8090", "192.168.1.5:8090", "sensor7", "sensor7:8090"}) {
+    RequestHead head = looking_at("/");
+    head.host = host;
+    EXPECT_EQ(access.refusal_of(head, {}).status, 0U) << host;
+  }
+  for (const char* host : {"", "evil.example", "evil.example:8090", "localhost.evil.example", "sensor7.evil.example",
+                           "127.0.0.1.evil.example", "[", "[]"}) {
+    RequestHead head = looking_at("/");
+    head.host = host;
+    EXPECT_EQ(access.refusal_of(head, {}).status, 421U) << host;
+  }
+}
+
+TEST(WebAccess, AnswersNoOtherPage) {
+  Access access = open_access();
+  RequestHead head = looking_at("/api/live");
+  for (const char* origin : {"http://evil.example", "null", "https://127.0.0.1:8090", "http://127.0.0.1:8091"}) {
+    head.origin = origin;
+    EXPECT_EQ(access.refusal_of(head, {}).status, 403U) << origin;
+  }
+  head.origin = "http://127.0.0.1:8090";
+  EXPECT_EQ(access.refusal_of(head, {}).status, 0U);
+  head.fetch_site = "cross-site";
+  EXPECT_EQ(access.refusal_of(head, {}).status, 403U);
+}
+
+TEST(WebAccess, AsksForTheTokenWhereItIsSet) {
+  Access access = guarded_access();
+  RequestHead head = looking_at("/api/live");
+  EXPECT_EQ(access.refusal_of(head, {}).status, 401U);
+  const std::string right = "Bearer " + kToken, wrong = "Bearer " + kToken + "0", other = "Basic " + kToken;
+  head.authorization = right;
+  EXPECT_EQ(access.refusal_of(head, {}).status, 0U);
+  head.authorization = wrong;
+  EXPECT_EQ(access.refusal_of(head, {}).status, 401U);
+  head.authorization = other;
+  EXPECT_EQ(access.refusal_of(head, {}).status, 401U);
+  EXPECT_EQ(access.refusal_of(looking_at("/"), {}).status, 0U) << "the page itself is no secret";
+  EXPECT_EQ(access.refusal_of(looking_at("/api/session"), {}).status, 0U);
+}
+
+TEST(WebAccess, LooksAtNoTokenAfterFiveWrongOnesFromThereForAMinute) {
+  Access access = guarded_access();
+  const MonoTime start{};
+  RequestHead guessing = looking_at("/api/live");
+  guessing.authorization = "Bearer guess";
+  for (int i = 0; i < TokenGate::kMaxWrong; ++i) EXPECT_EQ(access.refusal_of(guessing, start + 1s * i).status, 401U);
+  const std::string right = "Bearer " + kToken;
+  guessing.authorization = right;
+  EXPECT_EQ(access.refusal_of(guessing, start + 59s).status, 429U);
+  EXPECT_TRUE(access.refusal_of(guessing, start + 59s).retry_later);
+  RequestHead other = guessing;
+  other.peer = "10.0.0.8";
+  EXPECT_EQ(access.refusal_of(other, start + 59s).status, 0U) << "somebody else's mistakes are not his";
+  EXPECT_EQ(access.refusal_of(guessing, start + 61s).status, 0U);
+}
+
+TEST(WebAccess, ForgetsNoGuesserBecauseOthersMadeOneMistake) {
+  TokenGate gate;
+  const MonoTime start{1s};
+  for (int i = 0; i < 5; ++i) gate.note_wrong("10.0.0.7", start);
+  for (int i = 0; i < 200; ++i) gate.note_wrong("10.0.1." + std::to_string(i), start + 1s);
+  EXPECT_TRUE(gate.is_closed_for("10.0.0.7", start + 2s));
+}
+
+TEST(WebAccess, ComparesSecretsByAllOfThem) {
+  EXPECT_TRUE(is_same_secret("abc", "abc"));
+  for (const char* wrong : {"", "ab", "abcd", "abd", "bbc", "ABC"}) EXPECT_FALSE(is_same_secret(wrong, "abc")) << wrong;
+  EXPECT_FALSE(is_same_secret(std::string_view("abc\0", 4), "abc"));
+}
+
+TEST(WebToken, IsReadFromAFileOfItsOwnerAlone) {
+  const std::string file = testing::TempDir() + "ninedot-token";
+  const auto refusal = [&](const std::string& text, unsigned mode) -> std::string {
+    std::filesystem::remove(file);
+    std::ofstream(file) << text;
+    ::chmod(file.c_str(), mode);
+    try {
+      EXPECT_EQ(read_token(file), kToken);
+    } catch (const StartupError& error) {
+      EXPECT_EQ(error.status, ExitStatus::kWrongUsage);
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal(kToken + "\n", 0600), "");
+  EXPECT_EQ(refusal(kToken, 0400), "");
+  EXPECT_NE(refusal(kToken + "\n", 0640).find("chmod 600"), std::string::npos);
+  EXPECT_NE(refusal(kToken + "\n", 0604).find("chmod 600"), std::string::npos);
+  EXPECT_NE(refusal("short\n", 0600).find("32 to 500"), std::string::npos);
+  EXPECT_NE(refusal("", 0600).find("32 to 500"), std::string::npos);
+  EXPECT_NE(refusal(kToken + "\nand a second line\n", 0600).find("one line"), std::string::npos);
+  std::filesystem::remove(file);
+  EXPECT_THROW(read_token(file), StartupError);
+}
+
+}  // namespace
+}  // namespace ninedot

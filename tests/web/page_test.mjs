@@ -1,0 +1,238 @@
+// Each view against a running service on a bundled recording; pictures of each, in both themes, for a desk and a phone.
+import assert from "node:assert/strict";
+import fs from "node:fs";
+import path from "node:path";
+import { after, before, test } from "node:test";
+
+import { PICTURES, Stage, browser, pause, until } from "./stage.mjs";
+
+const SIZES = { desktop: { width: 1360, height: 900 }, phone: { width: 390, height: 844 } };
+let stage, chrome;
+
+before(async () => {
+  fs.mkdirSync(PICTURES, { recursive: true });
+  stage = await Stage.open();
+  chrome = await browser();
+});
+after(async () => {
+  await chrome?.close();
+  if (stage) assert.deepEqual(await stage.close(), [0, 0], "both ended as they were asked to");
+});
+
+// A page whose every mistake is this test's: errors, refused content, requests that lead elsewhere.
+async function open(view, { theme = "light", size = "desktop", on = stage, hash = `#${view}` } = {}) {
+  const context = await chrome.newContext({ viewport: SIZES[size], colorScheme: theme, deviceScaleFactor: size === "phone" ? 2 : 1 });
+  const page = await context.newPage();
+  const wrong = [];
+  page.on("pageerror", (error) => wrong.push(String(error)));
+  page.on("console", (message) => { if (message.type() === "error" && !/40[13]|429|503|ERR_CONNECTION/.test(message.text())) wrong.push(message.text()); });
+  page.on("request", (request) => {
+    const url = new URL(request.url());
+    if (!["blob:", "data:"].includes(url.protocol) && url.port !== String(on.port)) wrong.push(`fetched from outside: ${url}`);
+  });
+  await page.goto(`http://127.0.0.1:${on.port}/${hash}`);
+  return { page, wrong, close: async () => { await context.close(); assert.deepEqual(wrong, []); } };
+}
+
+const shown = {
+  live: (page) => page.waitForFunction(() => document.querySelector("#picture")?.dataset.frame > 0 && /\d/.test(document.querySelector("#pose")?.textContent)),
+  health: (page) => page.waitForFunction(() => document.querySelectorAll("#checks .check").length > 8),
+  registers: (page) => page.waitForFunction(() => document.querySelectorAll(".registers tbody tr").length > 60),
+  map: (page) => page.waitForFunction(() => /Camera at x/.test(document.querySelector("#place")?.textContent)),
+};
+
+for (const view of Object.keys(shown))
+  for (const theme of ["light", "dark"])
+    for (const size of Object.keys(SIZES))
+      test(`${view} is shown, ${theme}, on a ${size}`, async () => {
+        const { page, close } = await open(view, { theme, size });
+        await shown[view](page);
+        await pause(view === "registers" ? 300 : 2500);  // a few seconds of plots
+        const overflow = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+        assert.ok(overflow <= 0, `${overflow} px wider than the screen`);
+        await page.screenshot({ path: path.join(PICTURES, `${view}-${theme}-${size}.png`), fullPage: view !== "registers" });
+        await close();
+      });
+
+test("live shows what the service says of the frame in the picture", async () => {
+  const { page, close } = await open("live");
+  await shown.live(page);
+  await page.getByRole("button", { name: "Freeze" }).click();
+  const number = await page.locator("#picture").getAttribute("data-frame");
+  await pause(500);
+  assert.equal(await page.locator("#picture").getAttribute("data-frame"), number, "frozen");
+  await page.keyboard.press("f");
+  await page.waitForFunction((was) => document.querySelector("#picture").dataset.frame !== was, number);
+  assert.match(await page.locator("#verdict").textContent(), /Landmark 0 found/);
+  await close();
+});
+
+test("the overlay puts each disc where its dot was seen", async () => {
+  const { page, close } = await open("live");
+  await shown.live(page);
+  // A dot may be lost in a shadow for a frame; what is drawn is judged where all nine were seen.
+  const message = await until("all nine are seen", async () => {
+    const { camera, frame } = await stage.live("overlaytest");
+    return frame.valid && frame.dots.every((dot) => dot[5] > 0) && { camera, frame };
+  });
+  const far = await page.evaluate(async ({ camera, frame }) => {
+    const { projector, dotCentre } = await import("./projection.js");
+    const project = projector(camera, frame.in_landmark);
+    return frame.dots.map(([u, v], dot) => Math.hypot(project(dotCentre(camera, dot))[0] - u, project(dotCentre(camera, dot))[1] - v));
+  }, message);
+  // Shadows across a dot pull what is seen of it aside, by a pixel; a wrong axis or a wrong dot is tens of them.
+  const median = [...far].sort((a, b) => a - b)[4];
+  assert.ok(median < 0.3 && Math.max(...far) < 3, `pixels from disc to dot: ${far}`);
+  await close();
+});
+
+test("the picture is the recording's, and the overlay is drawn into it", async () => {
+  const { page, close } = await open("live");
+  await shown.live(page);
+  const count = () => page.evaluate(() => {
+    const canvas = document.querySelector("#picture");
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let coloured = 0, bright = 0;
+    for (let i = 0; i < data.length; i += 4) {
+      coloured += Math.abs(data[i] - data[i + 1]) > 60 ? 1 : 0;
+      bright += data[i] > 60 ? 1 : 0;
+    }
+    return { coloured, bright };
+  });
+  const drawn = await count();
+  assert.ok(drawn.coloured > 300 && drawn.bright > 100000, JSON.stringify(drawn));
+  await page.getByRole("button", { name: "Freeze" }).click();
+  await page.getByRole("button", { name: "Overlay" }).click();
+  assert.equal((await count()).coloured, 0, "a grey camera's picture");
+  await close();
+});
+
+test("save gives a PNG of the picture", async () => {
+  const { page, close } = await open("live");
+  await shown.live(page);
+  const [download] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("s")]);
+  assert.match(download.suggestedFilename(), /^ninedot-frame-\d+\.png$/);
+  assert.equal(fs.readFileSync(await download.path()).subarray(1, 4).toString(), "PNG");
+  await close();
+});
+
+test("registers decode as the service's own table says, in both word orders", async () => {
+  const { page, close } = await open("registers");
+  await shown.registers(page);
+  const row = async (name) => page.evaluate((wanted) => {
+    const found = [...document.querySelectorAll(".registers tbody tr")].find((tr) => tr.children[1].textContent === wanted);
+    return [...found.children].map((td) => td.textContent);
+  }, name);
+  await until("values are there", async () => (await row("magic"))[2] === "9D09");
+  assert.deepEqual((await row("probe_int32")).slice(2, 5), ["FFFF FFFF", "-1", "-1"]);
+  assert.deepEqual((await row("probe_word_order")).slice(2, 5), ["1234 5678", String(0x12345678), String(0x56781234)]);
+  assert.deepEqual((await row("probe_float")).slice(2, 4), ["47F1 2000", "123456"]);
+  await page.getByRole("searchbox").fill("probe_");
+  assert.equal(await page.locator(".registers tbody tr:visible").count(), 3);
+  await close();
+});
+
+test("tables for controllers name each register at its address", async () => {
+  const { page, close } = await open("registers");
+  await shown.registers(page);
+  const tables = await page.evaluate(async () => {
+    const { tableText } = await import("./registers.js");
+    const map = await (await fetch("/api/registers")).json();
+    return Object.fromEntries(["s7", "ur", "fanuc"].map((kind) => [kind, tableText(kind, map.registers.filter((e) => ["x_32", "age"].includes(e.name)))]));
+  });
+  assert.match(tables.s7, /^x_32\tDInt\t40017\t2\t0\.001\tmm\t/m);
+  assert.match(tables.s7, /^age\tUInt\t40009\t1\t/m);
+  assert.match(tables.ur, /^modbus_add_signal\("SENSOR_ADDRESS", 255, 16, 2, "x_32_high"\).*\nmodbus_add_signal\("SENSOR_ADDRESS", 255, 17, 2, "x_32_low"\)/m);
+  assert.match(tables.fanuc, /^16\t1\tGI\[17\]\tyes\t0\.001\tmm\tx_32\.high\t/m);
+  await close();
+});
+
+test("the keyboard is enough", async () => {
+  const { page, close } = await open("live");
+  await shown.live(page);
+  for (const [key, view] of [["2", "health"], ["3", "registers"], ["4", "map"], ["1", "live"]]) {
+    await page.keyboard.press(key);
+    await shown[view](page);
+    assert.equal(await page.locator("nav a[aria-current]").getAttribute("data-view"), view);
+  }
+  await page.keyboard.press("Tab");
+  const focused = await page.evaluate(() => document.activeElement.tagName);
+  assert.ok(["A", "BUTTON"].includes(focused), focused);
+  await page.keyboard.press("t");
+  assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), "light");
+  await close();
+});
+
+test("nothing found is said, and what to do", async () => {
+  const dark = await Stage.open({ recording: "negative" });
+  const { page, close } = await open("live", { on: dark });
+  await page.waitForFunction(() => document.querySelector("#verdict.bad, #verdict.warn")?.textContent.length > 40);
+  await page.waitForFunction(() => document.querySelector("#picture")?.dataset.frame > 0);
+  await page.screenshot({ path: path.join(PICTURES, "live-nothing.png"), fullPage: true });
+  assert.match(await page.locator("#verdict").textContent(), /no landmark.*(nine dots|resembles|looks like)/is);
+  await close();
+  await dark.close();
+});
+
+test("a service that ends and comes back is told, and the page goes on by itself", async () => {
+  const own = await Stage.open();
+  const { page, close } = await open("health", { on: own });
+  await shown.health(page);
+  await own.end(own.service);
+  await page.waitForFunction(() => /no tap|has ended/.test(document.querySelector("#banner").textContent));
+  await page.screenshot({ path: path.join(PICTURES, "health-no-service.png") });
+  own.service = own.start("ninedotd");
+  await page.waitForFunction(() => document.querySelector("#banner").hidden);
+  await shown.health(page);
+  await close();
+  await own.close();
+});
+
+test("a picture that is not of now does not look as if it were", async () => {
+  const own = await Stage.open();
+  const { page, close } = await open("live", { on: own });
+  await shown.live(page);
+  assert.equal(await page.locator("#picture.stale").count(), 0);
+  await own.end(own.service);
+  await page.waitForSelector("#picture.stale");
+  assert.equal(await page.locator("#pose.stale").count(), 1);
+  assert.match(await page.locator("#verdict").textContent(), /No service/);
+  await close();
+  await own.close();
+});
+
+test("a page with a token asks for it, and takes it from its address", async () => {
+  const token = "0123456789abcdef0123456789abcdef";
+  const file = path.join(fs.mkdtempSync("/dev/shm/ninedot-token-"), "token");
+  fs.writeFileSync(file, `${token}\n`, { mode: 0o600 });
+  const own = await Stage.open({ web: `token_file = "${file}"` });
+  const asked = await open("live", { on: own });
+  await asked.page.waitForSelector("#token-dialog[open]");
+  await asked.page.screenshot({ path: path.join(PICTURES, "token.png") });
+  await asked.page.fill("#token-input", token);
+  await asked.page.keyboard.press("Enter");
+  await shown.live(asked.page);
+  await asked.close();
+  const linked = await open("live", { on: own, hash: `#token=${token}` });
+  await shown.live(linked.page);
+  assert.ok(!linked.page.url().includes(token), "out of the address bar");
+  await linked.close();
+  await own.close();
+  fs.rmSync(path.dirname(file), { recursive: true });
+});
+
+test("the seventeenth viewer is told so", async () => {
+  const own = await Stage.open();
+  const names = Array.from({ length: 16 }, (_, i) => `viewer${100 + i}`);
+  assert.ok((await Promise.all(names.map((name) => own.live(name)))).every((message) => message.number > 0));
+  const { page, close } = await open("live", { on: own });
+  await page.waitForFunction(() => /Sixteen pages/.test(document.querySelector("#banner").textContent));
+  await close();
+  await own.close();
+});
+
+test("the page is small", () => {
+  const folder = path.join(path.dirname(new URL(import.meta.url).pathname), "../../programs/web/page");
+  const bytes = fs.readdirSync(folder).reduce((sum, name) => sum + fs.statSync(path.join(folder, name)).size, 0);
+  assert.ok(bytes <= 300 * 1024, `${bytes} bytes`);
+});

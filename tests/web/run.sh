@@ -1,0 +1,34 @@
+#!/bin/bash
+# The page in headless Chromium, and hostile requests, against a running service: under three minutes.
+#   tests/web/run.sh [smoke|pictures]      pictures: build/release/web/
+# smoke: the part that ctest runs; pictures: those of docs/page.md, made anew. NINEDOT_BIN_DIR: where the programs are; default build/release/bin
+set -euo pipefail
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"
+
+# Left out, with the reason; status 77.
+leave_out() {
+  echo "tests/web: LEFT OUT: $*" >&2
+  exit 77
+}
+for needed in chromium node npm; do
+  command -v "$needed" > /dev/null || leave_out "$needed is not installed: ./dev packages web node"
+done
+if [[ ! -d node_modules/playwright-core ]]; then
+  PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD=1 npm ci --no-audit --no-fund --ignore-scripts > /dev/null 2>&1 ||
+    leave_out "npm can't get playwright-core: is the network there?"
+fi
+if [[ ${1:-} == smoke ]]; then
+  exec node --test --test-name-pattern "light, on a desktop|both word orders|nothing found|each disc" page_test.mjs
+fi
+if [[ ${1:-} == pictures ]]; then
+  node --test --test-name-pattern "is shown" page_test.mjs
+  made=${NINEDOT_WEB_PICTURES:-${NINEDOT_BIN_DIR:-../../build/release/bin}/../web}
+  cp "$made/live-light-desktop.png" ../../docs/page-live.png
+  cp "$made/health-light-desktop.png" ../../docs/page-health.png
+  cp "$made/registers-dark-desktop.png" ../../docs/page-registers.png
+  cp "$made/map-light-desktop.png" ../../docs/page-map.png
+  cp "$made/live-dark-phone.png" ../../docs/page-phone.png
+  exit
+fi
+node --test page_test.mjs
+node --test hostile_test.mjs

@@ -1,0 +1,113 @@
+// A running service with its page, and a browser to look at it: for page_test.mjs and hostile_test.mjs.
+import { spawn } from "node:child_process";
+import fs from "node:fs";
+import http from "node:http";
+import net from "node:net";
+import path from "node:path";
+
+export const SOURCE = process.env.NINEDOT_SOURCE_DIR ?? path.resolve(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), "../..");
+export const BIN = process.env.NINEDOT_BIN_DIR ?? path.join(SOURCE, "build/release/bin");
+export const PICTURES = process.env.NINEDOT_WEB_PICTURES ?? path.join(BIN, "../web");
+const PATIENCE_MS = 20000;
+
+export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+export async function until(what, condition) {
+  const deadline = Date.now() + PATIENCE_MS;
+  for (;;) {
+    const value = await condition().catch(() => false);
+    if (value) return value;
+    if (Date.now() > deadline) throw new Error(`never came true: ${what}`);
+    await pause(50);
+  }
+}
+
+export const freePort = () => new Promise((resolve) => {
+  const server = net.createServer().listen(0, "127.0.0.1", () => {
+    const { port } = server.address();
+    server.close(() => resolve(port));
+  });
+});
+
+export function get(port, target, { method = "GET", headers = {}, body = null, host = "127.0.0.1" } = {}) {
+  return new Promise((resolve, reject) => {
+    const request = http.request({ host, port, path: target, method, headers, agent: false, timeout: PATIENCE_MS }, (response) => {
+      const parts = [];
+      response.on("data", (part) => parts.push(part));
+      response.on("end", () => resolve({ status: response.statusCode, headers: response.headers, body: Buffer.concat(parts) }));
+      response.on("error", reject);
+    });
+    request.on("error", reject);
+    request.on("timeout", () => request.destroy(new Error("no answer")));
+    request.end(body);
+  });
+}
+
+// options: {recording, web: text under [web], extra: further configuration}
+export class Stage {
+  static async open(options = {}) {
+    const stage = new Stage();
+    stage.folder = fs.mkdtempSync(path.join("/dev/shm", "ninedot-web-test-"));
+    stage.port = await freePort();
+    stage.modbusPort = await freePort();
+    stage.config = path.join(stage.folder, "config.toml");
+    const recording = path.join(SOURCE, "tests/recordings", options.recording ?? "approach");
+    fs.writeFileSync(stage.config, `${options.top ?? ""}
+[camera]
+source = "recording"
+device = "${recording}"
+rate_hz = 35.0
+[modbus.tcp]
+port = ${stage.modbusPort}
+[tap]
+enabled = true
+path = "${stage.folder}/tap"
+[web]
+port = ${stage.port}
+${options.web ?? ""}
+${options.extra ?? ""}
+`);
+    stage.service = stage.start("ninedotd");
+    stage.web = stage.start("ninedot-web");
+    await until("the page answers", async () => (await get(stage.port, "/")).status === 200);
+    await until("the service gives frames", async () => fs.existsSync(path.join(stage.folder, "tap")));
+    return stage;
+  }
+
+  start(program) {
+    const log = fs.openSync(path.join(this.folder, `${program}.log`), "a");
+    const child = spawn(path.join(BIN, program), ["--config", this.config], { stdio: ["ignore", log, log] });
+    fs.closeSync(log);
+    return child;
+  }
+
+  log(program) {
+    return fs.readFileSync(path.join(this.folder, `${program}.log`), "utf8");
+  }
+
+  async end(child) {
+    if (child.exitCode !== null || child.signalCode !== null) return child.exitCode;
+    const ended = new Promise((resolve) => child.once("exit", resolve));
+    child.kill("SIGTERM");
+    return ended;
+  }
+
+  async close() {
+    const status = [await this.end(this.web), await this.end(this.service)];
+    fs.rmSync(this.folder, { recursive: true, force: true });
+    return status;
+  }
+
+  async live(viewer = "tests0001", headers = {}) {
+    const { status, body } = await get(this.port, `/api/live?viewer=${viewer}&picture=0`, { headers });
+    return status === 200 ? JSON.parse(body.subarray(4, 4 + body.readUInt32BE(0))) : { status };
+  }
+}
+
+export async function browser() {
+  const { chromium } = await import("playwright-core");
+  return chromium.launch({
+    executablePath: "/usr/bin/chromium",
+    args: ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
+  });
+}
