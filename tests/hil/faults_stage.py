@@ -6,6 +6,7 @@ import time
 
 from registers import REASON_CAMERA_LOST
 from service import GuestService, camera_config
+from tracing import Trace, frames_of
 from vivid import CAPTURE, RATE_HZ, Vivid
 
 STILL = "/media/stills/10.raw"
@@ -85,10 +86,32 @@ class Watch:
         return getattr(self.last, name) - getattr(self.before, name)
 
 
+def share_given(frames):
+    """Of the frames that the driver counted, those that it gave away."""
+    return len(frames) / (frames[-1].sequence - frames[0].sequence + 1)
+
+
+def sequence_wraps(frames):
+    wraps = [(before, after) for before, after in zip(frames, frames[1:]) if before.sequence >> 31 and not after.sequence >> 31]
+    return len(wraps) == 1, "; ".join(f"sequence {before.sequence} then {after.sequence}" for before, after in wraps) or "no wrap"
+
+
+def stamps_cross(boundary_ns):
+    """vivid sets its clock so that it passes there 16 s after the stream's start."""
+
+    def witness(frames):
+        stamps = [frame.stamp_ns % (1 << 64) for frame in frames]
+        found = [(before, after) for before, after in zip(stamps, stamps[1:]) if boundary_ns - 60e9 < before < boundary_ns <= after]
+        return len(found) == 1, "; ".join(f"stamp {before} then {after} ns" for before, after in found) or "no wrap"
+
+    return witness
+
+
 class FaultsStage:
     def __init__(self, stage, guest):
         self.stage, self.guest = stage, guest
         self.vivid = Vivid(guest)
+        self.trace = Trace(guest)
         self.rows = []
         guest.check(f"ln -sfn {CAPTURE} {CAMERA}")
         self.vivid.play(STILL)
@@ -160,9 +183,11 @@ class FaultsStage:
             back_s,
         )
 
-    def stays_valid(self, service, check, title, start, end, seconds=8.0, restart=False):
-        """A disturbance that must cost nothing but frames."""
+    def stays_valid(self, service, check, title, start, end, witness, seconds=8.0, restart=False):
+        """A disturbance that must cost nothing but frames.
+        :param witness: whether the frames that the driver gave away show that it was there, and what they show"""
         self.settle(service)
+        self.trace.start("v4l2/v4l2_dqbuf")
         if restart:  # it takes effect when a stream starts
             watch = Watch(service)
             watch.during(start + "; " + self.set("inject_fatal_streaming_error"), self.guest)
@@ -178,18 +203,22 @@ class FaultsStage:
         while time.monotonic() < until:
             ages.append(watch.look().age_ms)
         per_s = watch.frames_per_s()
+        was_there, shown = witness(frames_of(self.trace.stop()))
         watch.during(end, self.guest)
+        # A stamp from the future has the age 0, one of long ago more than any frame that is still in the driver.
         good = (
-            watch.lost_at is None
+            was_there
+            and watch.lost_at is None
             and watch.changed("restarts") == 0
             and abs(per_s - RATE_HZ) < RATE_TOLERANCE * RATE_HZ
-            and max(ages) < 2000
+            and 0 < min(ages) <= max(ages) < 2000
         )
         self.note(
             check,
             title,
             good,
-            f"processed, dropped and failed together {per_s:.1f} per second of {RATE_HZ}; age at most {max(ages):.0f} ms",
+            f"{shown}; processed, dropped and failed together {per_s:.1f} per second of {RATE_HZ}; "
+            f"age {min(ages):.0f} to {max(ages):.0f} ms",
             watch,
         )
 
@@ -306,7 +335,20 @@ class FaultsStage:
         self.lost_and_back(
             service, "silent", f"`{dropped}=100` (silent stall)", self.set(dropped, 100), self.set(dropped, 0), hold_s=2
         )
-        self.stays_valid(service, "dropped", f"`{dropped}=50`", self.set(dropped, 50), self.set(dropped, 0))
+
+    def dropped(self, service):
+        """Far more than a busy host makes the guest miss: what the driver still gives away has to be less than it was before."""
+        dropped = "percentage_of_dropped_buffers"
+        self.settle(service)
+        self.trace.start("v4l2/v4l2_dqbuf")
+        time.sleep(3)
+        quiet = share_given(frames_of(self.trace.stop()))
+
+        def witness(frames):
+            given = share_given(frames)
+            return given < 0.7 * quiet, f"the driver gives {100 * given:.0f} % of its frames away, {100 * quiet:.0f} % before"
+
+        self.stays_valid(service, "dropped", f"`{dropped}=92`", self.set(dropped, 92), self.set(dropped, 0), witness)
 
     def wraps(self, service):
         self.stays_valid(
@@ -315,16 +357,18 @@ class FaultsStage:
             "`wrap_sequence_number`: from 2^32 - 1 to 0",
             self.set("wrap_sequence_number", 1),
             self.set("wrap_sequence_number", 0),
+            sequence_wraps,
             seconds=10,
             restart=True,
         )
-        for bits, choice in ((32, 2), (64, 1)):  # the driver wraps 16 s after the stream's start
+        for bits, choice, boundary_ns in ((32, 2, (1 << 31) * 10**9), (64, 1, 1 << 63)):
             self.stays_valid(
                 service,
                 f"timestamp-wrap-{bits}",
                 f"`wrap_timestamp={choice}` ({bits} bit)",
                 self.set("wrap_timestamp", choice),
                 self.set("wrap_timestamp", 0),
+                stamps_cross(boundary_ns),
                 seconds=18,
                 restart=True,
             )
@@ -355,6 +399,10 @@ class FaultsStage:
                     group(service)
             (self.stage.out / "ninedotd-faults.log").write_text(service.log() + "\n")
         self.stage.ok("ends", service.exit_status == "0", f"exit status {service.exit_status} on SIGINT, after all of these")
+        if not self.stage.smoke:
+            # A service that takes no pause of a second for a stall.
+            with GuestService(self.guest, config.replace(f"stall_frames = {STALL_FRAMES}", "stall_frames = 600")) as patient:
+                self.dropped(patient)
         self.stage.table("Faults", ("fault", "seen", "frames again", "restarts", "failed", "dropped"), self.rows)
 
 

@@ -20,7 +20,7 @@ expect() {  # WHAT COMMAND...
 }
 not() { ! "$@"; }
 install_package() { DEBIAN_FRONTEND=noninteractive apt-get -q -y -o Dpkg::Use-Pty=0 install --no-install-recommends "$@" < /dev/null; }
-newest() { ls -t build/package/package/*.deb | head -n 1; }
+newest() { ls -t build/package/package/ninedot_*.deb | head -n 1; }
 
 ./dev packages package test
 ./dev package
@@ -40,6 +40,22 @@ service=$!
 expect "serves poses as its own user, out of the box" bash -c 'for _ in $(seq 50); do
   mbpoll -m tcp -p 1502 -a 1 -0 -r 0 -c 6 -1 127.0.0.1 | grep -q "^\[0\]:.*40201" && exit 0; sleep 0.1; done; cat /tmp/ninedotd.log; exit 1'
 kill "$service"; wait "$service" || true
+
+expect "the page is another package" install_package "./$(ls -t build/package/package/ninedot-web_*.deb | head -n 1)"
+expect "made the page's user, who may read the tap" bash -c "id -nG ninedot-web | grep -qw ninedot-tap"
+expect "who is in no group of the service's" bash -c "! id -nG ninedot-web | grep -qwE 'ninedot|video|dialout|gpio|i2c'"
+expect "systemd accepts its unit" systemd-analyze verify /lib/systemd/system/ninedot-web.service
+expect "is not enabled" not test -e /etc/systemd/system/multi-user.target.wants/ninedot-web.service
+sed -i 's/^# \[tap\]/[tap]/; s/^# enabled = false/enabled = true/' "$config"
+setpriv --reuid ninedot --regid ninedot --init-groups ninedotd --config "$config" > /tmp/ninedotd.log 2>&1 & service=$!
+setpriv --reuid ninedot-web --regid ninedot-web --init-groups ninedot-web --config "$config" > /tmp/ninedot-web.log 2>&1 & page=$!
+expect "the page shows frames, as its own user" bash -c 'for _ in $(seq 50); do
+  python3 -c "import urllib.request as u; print(u.urlopen(\"http://127.0.0.1:8090/api/live?viewer=installtest\").read())" 2> /dev/null |
+    grep -q "\"valid\":true" && exit 0; sleep 0.1; done; cat /tmp/ninedotd.log /tmp/ninedot-web.log; exit 1'
+expect "others may not read the tap" not setpriv --reuid nobody --regid nogroup --clear-groups ninedot tap
+kill "$page" "$service"; wait "$page" "$service" || true
+expect "the page is removed alone" env DEBIAN_FRONTEND=noninteractive apt-get -q -y purge ninedot-web
+expect "and the service is still there" test -x /usr/bin/ninedotd
 
 sed -i 's/^port = 1502/port = 1503/' "$config"
 ./dev package -DNINEDOT_PACKAGE_REVISION=2

@@ -70,6 +70,16 @@ class Unit(unittest.TestCase):
         for _, key, _ in self.settings:
             self.assertNotIn(key, ("RestartSteps", "RestartMaxDelaySec"), "systemd has it from 254 on; Debian 12 has 252")
 
+    def test_it_may_use_every_kind_of_device_that_a_configuration_can_name(self):
+        allowed = {value for _, key, value in self.settings if key == "DeviceAllow"}
+        kinds = ["video4linux", "media", "dma_heap", "gpiochip", "i2c"]
+        # Names of serial lines in Linux 6.12: dev_name of the drivers in drivers/tty/serial and drivers/usb.
+        kinds += [f"tty{name}" for name in ("S", "AMA", "mxc", "SC", "STM", "THS", "LP", "RPMSG", "USB", "ACM")]
+        self.assertEqual({f"char-{kind} rw" for kind in kinds} - allowed, set())
+        self.assertEqual(self.value("Service", "DevicePolicy"), "closed")
+        groups = self.value("Service", "SupplementaryGroups").split()
+        self.assertEqual({"video", "gpio", "dialout", "i2c"} - set(groups), set())
+
     def test_a_reload_checks_the_file_and_then_sends_the_signal_that_reads_the_map(self):
         commands = [value for _, key, value in self.settings if key == "ExecReload"]
         self.assertEqual(commands, [self.value("Service", "ExecStartPre"), "/bin/kill -HUP $MAINPID"])
@@ -90,6 +100,47 @@ class Unit(unittest.TestCase):
         checked = self.pre_start(EVERY_DEVICE_MISSING + "bauds = 9600\n")
         self.assertEqual(checked.returncode, 2)
         self.assertRegex(checked.stderr, r"ninedot\.toml:\d+: unknown key 'bauds'")
+
+
+class PageUnit(unittest.TestCase):
+    """ninedot-web.service: as strict as the service's own, and more."""
+
+    # What the page is allowed beyond nothing, or is a matter of taste.
+    OTHERWISE = {"ReadWritePaths", "DeviceAllow", "SupplementaryGroups", "User", "Group", "ExecStart", "ExecStartPre", "ExecReload", "WatchdogSec",
+                 "LimitMEMLOCK", "LimitRTPRIO", "MemoryMax", "TasksMax", "OOMScoreAdjust", "RestrictAddressFamilies", "SystemCallFilter"}
+
+    def setUp(self):
+        self.page = settings((SOURCE / "systemd" / "ninedot-web.service").read_text())
+        self.service = settings((SOURCE / "systemd" / "ninedotd.service").read_text())
+
+    def values(self, of, key):
+        return [value for section, k, value in of if (section, k) == ("Service", key)]
+
+    def test_keeps_every_restriction_of_the_service(self):
+        for section, key, value in self.service:
+            if section == "Service" and key not in self.OTHERWISE:
+                self.assertIn(value, self.values(self.page, key), f"{key}= of ninedotd.service")
+
+    def test_may_do_less_than_the_service(self):
+        self.assertEqual(self.values(self.page, "DeviceAllow") + self.values(self.page, "ReadWritePaths"), [])
+        families = [set(self.values(of, "RestrictAddressFamilies")[0].split()) for of in (self.page, self.service)]
+        self.assertLess(families[0], families[1])
+        allowed = [[calls for calls in self.values(of, "SystemCallFilter")] for of in (self.page, self.service)]
+        self.assertEqual(allowed[0], allowed[1][:2], "without the calls that real time needs")
+        self.assertEqual(self.values(self.page, "SupplementaryGroups"), ["ninedot-tap"])
+        self.assertEqual(self.values(self.page, "RestrictRealtime"), ["yes"])
+        self.assertEqual(self.values(self.page, "PrivateUsers"), ["yes"])
+
+    def test_is_another_user_that_nobody_but_the_tap_knows(self):
+        self.assertNotEqual(self.values(self.page, "User"), self.values(self.service, "User"))
+        groups = [line.split()[2] for line in (SOURCE / "systemd" / "ninedot-web.sysusers").read_text().splitlines() if line.startswith("m ninedot-web")]
+        self.assertEqual(groups, ["ninedot-tap"])
+
+    def test_is_not_enabled_by_its_package(self):
+        script = (SOURCE / "systemd" / "package-web" / "postinst").read_text()
+        self.assertRegex(script, r"if deb-systemd-helper --quiet was-enabled ninedot-web.service; then\s+deb-systemd-helper enable")
+        self.assertEqual(script.count("deb-systemd-helper enable"), 1)
+        self.assertIn("if deb-systemd-helper debian-installed ninedot-web.service; then", script)
 
 
 if __name__ == "__main__":
