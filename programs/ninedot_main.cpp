@@ -21,5 +21,8 @@ int main(int argc, char** argv) {
   ninedot::add_status_command(app);
   ninedot::add_aim_command(app);
   ninedot::add_map_command(app);
+  ninedot::add_tap_command(app);
+  ninedot::add_simulate_command(app);
+  ninedot::add_calibrate_command(app);
   return ninedot::run_program(app, argc, argv);
 }

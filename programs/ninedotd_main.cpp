@@ -6,8 +6,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -26,7 +29,9 @@
 #include "programs/program.h"
 #include "programs/service/main_outputs.h"
 #include "programs/service/map_reloader.h"
+#include "programs/service/open_tap.h"
 #include "programs/service/service_watch.h"
+#include "programs/service/tap_output.h"
 
 namespace ninedot {
 namespace {
@@ -38,6 +43,21 @@ std::vector<std::string> how_to_read(const ModbusOptions& options) {
   return lines;
 }
 
+/// Sends the head to its parking place and waits until it stands there, for a few seconds at most: what stops the
+/// service does not wait for ever.
+void park(HeadOutput& head, const Mailbox<Report>& reports) {
+  constexpr std::chrono::seconds kLongest{5};  // half of TimeoutStopSec of the systemd unit
+  constexpr std::uint32_t kNumber = std::numeric_limits<std::uint32_t>::max();
+  head.order({true, {}, kNumber, true});
+  const MonoTime until = mono_now() + kLongest;
+  while (mono_now() < until) {
+    const ReportHead now = reports.read().head;
+    if (now.order == kNumber && (now.progress == OrderProgress::kDone || now.progress == OrderProgress::kFailed))
+      return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
 void run_service(const std::string& config_path, bool live) {
   ConfigProblems keys;
   const Config config = read_config(config_path, keys);
@@ -46,13 +66,15 @@ void run_service(const std::string& config_path, bool live) {
   // With larger ones the service works as well; less memory is left to others.
   static_cast<void>(use_small_thread_stacks());
 
-  const OpenedSource camera = open_source(config.camera, FrameDemand::kNewest);
-  const CameraModel model = read_camera_calibration(config.camera);
+  CameraCalibration calibration;
+  const OpenedSource camera = open_calibrated_source(config, FrameDemand::kNewest, calibration);
+  const CameraModel& model = calibration.camera;
   RoomMapHandoff maps;
   LocaliserOptions localiser_settings = localiser_options(config);
   localiser_settings.new_maps = &maps;
+  localiser_settings.intrinsics = calibration.record.covariance;
   const auto localiser = make_localiser(model, localiser_settings);
-  const OpenedHead head = open_head(config, model);
+  const OpenedHead head = open_head(config, model, camera.head_line);
   Mailbox<Report> reports;
   Mailbox<Health> health;
   const bool wants_lock = config.service.lock_memory;
@@ -64,6 +86,8 @@ void run_service(const std::string& config_path, bool live) {
   loop_options.memory_locked = wants_lock && locked.has_value();
   loop_options.body = body_geometry(config.body);
   if (head.output) loop_options.head = &head.output->snapshots();
+  const OpenedTap tap = open_tap(config, model, localiser_settings.seeker.landmark);
+  loop_options.observer = tap.observer.get();
   FrameLoop frames(*camera.frames, *localiser, reports, health, loop_options);
   const ModbusOptions modbus = modbus_options(config);
   const WireOutput registers(reports, health, pose_output(config));
@@ -76,19 +100,28 @@ void run_service(const std::string& config_path, bool live) {
   RealtimeThread head_priority(std::max(0, config.service.realtime_priority - 1), "head");
   std::optional<OutputThread> head_thread;
   if (head.output) head_thread.emplace(reports, *head.output, head_priority, HeadOutput::kPeriod);
+  // First, so that it hears the lines of the start.
+  std::vector<std::unique_ptr<Output>> outputs;
+  if (tap.writer) {
+    auto tap_output = std::make_unique<TapOutput>(*tap.writer, server, modbus.codec, frames);
+    log.tell(tap_output.get());
+    outputs.push_back(std::move(tap_output));
+  }
   RealtimeThread thread(config.service.realtime_priority, "frames");
   const Result<void> realtime = frames.start(thread);
-  log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION, config.camera.device, model.width_px,
+  log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION,
+                        config.camera.device.empty() ? config.camera.source : config.camera.device, model.width_px,
                         model.height_px, config.pose.solver));
   if (!camera.description.empty()) log.write("camera: " + camera.description);
   if (!camera.refusal.empty()) log.note_camera_absent(camera.refusal);
   log.write("frame loop: " + realtime_text(config.service.realtime_priority, realtime));
   log.write("memory: " + memory_text(wants_lock, locked));
   for (const std::string& command : reading_commands(modbus)) log.write("read the position with: " + command);
+  if (tap.writer) log.write("tap: " + config.tap.path);
+  if (!tap.refusal.empty()) log.write("no tap: " + tap.refusal);
   if (!modbus.tcp && !modbus.rtu) log.write("no Modbus server: add [modbus.tcp] or [modbus.rtu] to the configuration");
 
   // A further output is a further entry here; one that waits for others gets an OutputThread like the head.
-  std::vector<std::unique_ptr<Output>> outputs;
   outputs.push_back(std::make_unique<LogOutput>(log, frames));
   if (head.output) outputs.push_back(std::make_unique<CommandOutput>(server, *head.output));
   if (head.status_led) outputs.push_back(std::make_unique<LedOutput>(*head.status_led));
@@ -99,6 +132,8 @@ void run_service(const std::string& config_path, bool live) {
   MapReloader& map = *map_output;
   outputs.push_back(std::move(map_output));
   watch_until_signalled(signals, {frames, reports, outputs}, [&] { map.request(); });
+  if (head.output && config.pan_tilt.park_at_shutdown) park(*head.output, reports);
+  log.tell(nullptr);
   frames.stop();
 }
 

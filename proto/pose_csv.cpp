@@ -20,8 +20,9 @@ constexpr int kQuaternionDigits = 9;
 #define NINEDOT_CSV_POSE                                                                             \
   "frame,timestamp_ns,landmark_id,x_mm,y_mm,z_mm,qw,qx,qy,qz,psi_deg,phi_deg,theta_deg,distance_mm," \
   "sigma_x_mm,sigma_y_mm,sigma_z_mm,sigma_rot_deg,ambiguity,rms_px,dots,occlusion_level,solver"
-#define NINEDOT_CSV_VERDICT \
-  ",valid,reason,rival_odds,rival_x_mm,rival_y_mm,rival_z_mm,rival_qw,rival_qx,rival_qy,rival_qz\n"
+#define NINEDOT_CSV_VERDICT                                                                                          \
+  ",valid,reason,rival_odds,rival_x_mm,rival_y_mm,rival_z_mm,rival_qw,rival_qx,rival_qy,rival_qz,sigma_calibration_" \
+  "mm\n"
 constexpr std::string_view kHeader = NINEDOT_CSV_POSE ",process_us" NINEDOT_CSV_VERDICT;
 constexpr std::string_view kHeaderWithoutTime = NINEDOT_CSV_POSE NINEDOT_CSV_VERDICT;
 #undef NINEDOT_CSV_POSE
@@ -66,6 +67,10 @@ std::string format_pose_csv_row(const WireReport& report, PoseCsvColumns columns
   } else {
     row.append(7, ',');
   }
+  if (std::isfinite(report.sigma_calibration_landmark_mm))
+    add(report.sigma_calibration_landmark_mm, kLengthDigits);
+  else
+    row += ',';
   row += '\n';
   return row;
 }

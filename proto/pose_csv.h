@@ -25,6 +25,7 @@
 /// | reason | | why not, a number of base/reason.h (docs/registers.md); 0 where valid |
 /// | rival_odds | | odds of the second-likeliest reading; 0: there is none, and the columns after it are empty |
 /// | rival_x_mm rival_y_mm rival_z_mm rival_qw rival_qx rival_qy rival_qz | mm | its pose |
+/// | sigma_calibration_mm | mm | what of sigma_x, y, z together is the calibration's; empty: it does not say |
 ///
 /// The text depends on the report alone (no locale, no "-0"): equal reports give equal bytes.
 #include <string>

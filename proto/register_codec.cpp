@@ -174,6 +174,7 @@ void put_angles(Writer& out, const WireReport& report) noexcept {
   out.put_xyz<reg::kAngle16>(report.angles_deg);
   out.put_xyz<reg::kAngleFloat>(report.angles_deg);
   out.count<reg::kPoseSequenceEnd>(report.pose_sequence);
+  out.put<reg::kSigmaCalibration>(report.sigma_calibration_mm);
 }
 
 void put_others(Writer& out, const WireReport& report) noexcept {
@@ -183,6 +184,7 @@ void put_others(Writer& out, const WireReport& report) noexcept {
   out.put<reg::kLandmarksSeen>(report.landmarks_seen);
   out.put<reg::kLandmarksRejected>(report.landmarks_rejected);
   out.put<reg::kLastRejectedId>(report.last_rejected_id);
+  out.put<reg::kHeadState>(static_cast<double>(report.head_state));
 }
 
 void put_metrics(RegisterBlock& block, const MetricValues& metrics, const RegisterCodecOptions& options) noexcept {

@@ -65,8 +65,8 @@ Made by `ninedot registers --format md` from the table in `proto/register_map.h`
 
 Addresses are 0-based, as on the wire; a tool that counts from 1 (mbpoll without `-0`, 40001-style notation) needs one
 more. Function codes 03 (holding registers) and 04 (input registers) show the same contents, because controllers differ
-in what they can read. One request reads at most 125 registers: from 0 on all but the angles, from 21 on all with
-them. The map ends at address 145. **Whatever one reply holds is from one frame.**
+in what they can read. One request reads at most 125 registers: from 0 on all but the angles, from 23 on all with
+them. The map ends at address 147. **Whatever one reply holds is from one frame.**
 
 Try it:
 
@@ -122,7 +122,7 @@ gives back what was written. A request that writes several registers is carried 
 - **A newer command** takes the older one's place at once. `command_result` and `command_acknowledge` are then about
   the newer one; the older one has no result, and its number never appears in `command_acknowledge`.
 - **Hold** belongs to the client that asks (a TCP connection, or the serial line): it freezes registers 2-59 and
-  118-145 for that client alone, so that nobody can freeze what others see. Writing 1 again takes the newest frame and starts the time
+  118-147 for that client alone, so that nobody can freeze what others see. Writing 1 again takes the newest frame and starts the time
   anew. It ends when 0 is written, when the connection ends, and by itself after 500 ms (`hold_ms`). Age, `stale`
   and `valid` go on meanwhile: held data grows old like any other, and then `reason` is 9, unless the held pose was not
   valid in the first place. Set-points and commands are shared by all clients.
@@ -134,7 +134,7 @@ gives back what was written. A request that writes several registers is carried 
 | code | when |
 |---|---|
 | 01 | a function code other than 03 and 04, or 06 and 16 while writes are enabled |
-| 02 | an address beyond 145, or a write to a register that is not marked `rw` |
+| 02 | an address beyond 147, or a write to a register that is not marked `rw` |
 | 03 | a quantity of 0 or above 125 (write: 123), a request whose length is wrong, a written value out of range |
 | 04 | a command that this device can't carry out (no pan/tilt head) |
 
@@ -228,6 +228,8 @@ std::string register_map_markdown() {
   append_codes(out, kPoseContentCodes);
   out += "\n### Angles 1, 2, 3 (register 126)\n";
   append_codes(out, kEulerCodes);
+  out += "\n### What the head is doing (register 146)\n";
+  append_codes(out, kHeadStateCodes);
   out += "\n### Commands (register 100)\n";
   append_codes(out, kCommandCodes);
   out += kMarkdownTail;
@@ -257,9 +259,10 @@ std::string register_map_json() {
       "{{\n  \"version\": {},\n  \"registers\": [{}\n  ],\n  \"status_bits\": [{}\n  ],\n  \"health_bits\": [{}\n  ],\n"
       "  \"metrics\": [{}\n  ],\n  \"reasons\": [{}\n  ],\n  \"pose_contents\": [{}\n  ],\n  \"euler_conventions\": "
       "[{}\n  ],\n"
-      "  \"commands\": [{}\n  ]\n}}\n",
+      "  \"commands\": [{}\n  ],\n  \"head_states\": [{}\n  ]\n}}\n",
       kRegisterMapVersion, registers, json_bits(kStatusBits), json_bits(kHealthBits), json_metrics(),
-      json_codes(kReasonCodes), json_codes(kPoseContentCodes), json_codes(kEulerCodes), json_codes(kCommandCodes));
+      json_codes(kReasonCodes), json_codes(kPoseContentCodes), json_codes(kEulerCodes), json_codes(kCommandCodes),
+      json_codes(kHeadStateCodes));
 }
 
 }  // namespace ninedot

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "base/aim_state.h"
 #include "base/reason.h"
 
 namespace ninedot {
@@ -52,6 +53,20 @@ constexpr auto kReasonTable = [] {
   return codes;
 }();
 
+// A code is what a client reads: name and words in one.
+const std::array<std::string, kAimStateCount> kHeadStateTexts = [] {
+  std::array<std::string, kAimStateCount> texts;
+  for (std::size_t i = 0; i < kAimStateCount; ++i)
+    texts[i] = std::string(kAimStates[i].name) + ": " + std::string(kAimStates[i].sentence);
+  return texts;
+}();
+const auto kHeadStateTable = [] {
+  std::array<RegisterCode, kAimStateCount> codes{};
+  for (std::size_t i = 0; i < kAimStateCount; ++i)
+    codes[i] = {static_cast<std::uint16_t>(kAimStates[i].state), kHeadStateTexts[i]};
+  return codes;
+}();
+
 constexpr bool metrics_are_in_order() {
   for (std::size_t i = 0; i < kMetricCount; ++i)
     if (static_cast<std::size_t>(kMetrics[i].id) != i) return false;
@@ -77,6 +92,7 @@ constexpr RegisterCode kCommandTable[] = {
     {number(Command::kNone), "nothing"},
     {number(Command::kFollow), "the head follows the landmark"},
     {number(Command::kPoint), "the head moves to the set-points (registers 105, 106) and stays there"},
+    {number(Command::kPark), "the head moves to its parking place and stays there"},
 };
 static_assert(std::size(kCommandTable) == kLastCommand + 1U);
 
@@ -86,6 +102,7 @@ const std::span<const RegisterBit> kStatusBits = kStatusBitTable;
 const std::span<const RegisterBit> kHealthBits = kHealthBitTable;
 const std::span<const RegisterCode> kReasonCodes = kReasonTable;
 const std::span<const RegisterCode> kPoseContentCodes = kPoseContentTable;
+const std::span<const RegisterCode> kHeadStateCodes = kHeadStateTable;
 const std::span<const RegisterCode> kEulerCodes = kEulerTable;
 const std::span<const RegisterCode> kCommandCodes = kCommandTable;
 

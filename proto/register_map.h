@@ -24,7 +24,7 @@ inline constexpr std::uint16_t kRegisterMapMagic = 0x9D09;
 
 /// Every address has an entry. From here on: exception 02. One request of 125 registers (the protocol's limit) reads
 /// all but the angles.
-inline constexpr std::size_t kRegisterCount = 146;
+inline constexpr std::size_t kRegisterCount = 148;
 
 // The map without the metrics, which have their own table.
 // clang-format off
@@ -85,7 +85,7 @@ inline constexpr auto kOwnRegisters = [] {
   {101, "command_sequence",    kU16,       1,      "",     0,        kU16Max, kReadWrite, "write a number other than the last one to carry out register 100"},
   {102, "command_acknowledge", kU16,       1,      "",     0,        kU16Max, kRead, "command_sequence of the last command that has ended; one whose place a newer one took does not end"},
   {103, "command_result",      kU16,       1,      "",     0,        kU16Max, kRead, "of command_sequence: 0 none yet, 1 running, 2 done, 3 failed, see below"},
-  {104, "hold",                kU16,       1,      "",     0,        1,       kReadWrite, "1 freezes registers 2-59 and 118-145 for this client (age and staleness go on); 0 releases; releases itself"},
+  {104, "hold",                kU16,       1,      "",     0,        1,       kReadWrite, "1 freezes registers 2-59 and 118-147 for this client (age and staleness go on); 0 releases; releases itself"},
   {105, "pan_set_point",       kI16,       0.01,   "deg",  -18000,   18000,   kReadWrite, "for command 2, positive to the left"},
   {106, "tilt_set_point",      kI16,       0.01,   "deg",  -9000,    9000,    kReadWrite, "for command 2, positive upwards"},
   {107, "client_watchdog",     kU16,       1,      "ms",   0,        kU16Max, kReadWrite, "0 off; else this client must send a request within this time, or the head goes back to following"},
@@ -111,6 +111,8 @@ inline constexpr auto kOwnRegisters = [] {
   {141, "angle_2_float",       kF32,       1,      "deg",  0,        0,       kRead, "the second angle"},
   {143, "angle_3_float",       kF32,       1,      "deg",  0,        0,       kRead, "the third angle"},
   {145, "pose_sequence_end",   kCounter16, 1,      "",     0,        kU16Max, kRead, "equals register 3, or the angles are of another pose"},
+  {146, "head_state",          kU16,       1,      "",     0,        kU16Max, kRead, "what the pan/tilt head is doing, see below; 0 without one"},
+  {147, "sigma_calibration",   kU16,       0.01,   "mm",   0,        kU16Max, kRead, "1-sigma of the camera's position, all axes together, by its calibration alone; part of the sigmas above; 65535 where the calibration does not say how good it is"},
   });
 }();
 // clang-format on
@@ -205,6 +207,8 @@ NINEDOT_REGISTER(kSigmaAngle, "sigma_angle_1");
 NINEDOT_REGISTER(kAngle16, "angle_1_16");
 NINEDOT_REGISTER(kAngleFloat, "angle_1_float");
 NINEDOT_REGISTER(kPoseSequenceEnd, "pose_sequence_end");
+NINEDOT_REGISTER(kHeadState, "head_state");
+NINEDOT_REGISTER(kSigmaCalibration, "sigma_calibration");
 NINEDOT_REGISTER(kProbeFloat, "probe_float");
 NINEDOT_REGISTER(kPulseErrorP99, "pulse_error_p99");
 NINEDOT_REGISTER(kPulseErrorMax, "pulse_error_max");
@@ -254,6 +258,7 @@ extern const std::span<const RegisterCode>
     kReasonCodes;  ///< register `reason`; the numbers are enum Reason (base/reason.h)
 
 extern const std::span<const RegisterCode> kPoseContentCodes;  ///< register `pose_content`, enum PoseContent
+extern const std::span<const RegisterCode> kHeadStateCodes;    ///< register `head_state`, enum AimState
 extern const std::span<const RegisterCode> kEulerCodes;        ///< register `euler_convention`, enum EulerConvention
 
 /// Register `command`. Never renumber.
@@ -261,8 +266,9 @@ enum class Command : std::uint16_t {
   kNone = 0,    ///< nothing
   kFollow = 1,  ///< the head follows the landmark
   kPoint = 2,   ///< the head moves to the set-points and stays there
+  kPark = 3,    ///< the head moves to its parking place and stays there
 };
-inline constexpr std::uint16_t kLastCommand = 2;
+inline constexpr std::uint16_t kLastCommand = 3;
 extern const std::span<const RegisterCode> kCommandCodes;
 
 /// Register `command_result`: of the command in `command_sequence`.

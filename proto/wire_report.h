@@ -6,6 +6,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "base/aim_state.h"
 #include "base/mono_time.h"
 #include "base/reason.h"
 #include "proto/metrics.h"
@@ -51,6 +52,8 @@ struct WireReport {
   WirePose camera_in_landmark;
   std::array<double, 3> sigma_landmark_mm{kUnknown, kUnknown, kUnknown};  ///< of the position along the landmark's axes
   double sigma_rotation_deg = kUnknown;                                   ///< root of the sum of the three variances
+  /// Of the position, all axes together: what of the sigmas above is the calibration's.
+  double sigma_calibration_landmark_mm = kUnknown;
 
   // What the registers carry.
   PoseOutput output;
@@ -60,6 +63,8 @@ struct WireReport {
   /// Its rotation as angles: yaw, pitch, roll; W, P, R; or A, B, C.
   std::array<double, 3> angles_deg{kUnknown, kUnknown, kUnknown};
   std::array<double, 3> sigma_angles_deg{kUnknown, kUnknown, kUnknown};  ///< 1-sigma of each of them
+
+  double sigma_calibration_mm = kUnknown;  ///< of the camera's position: what of `sigma_mm` is the calibration's
 
   double ambiguity = kUnknown;        ///< 0..1
   double rival_odds = 0;              ///< of the newest frame's second-likeliest reading, 0..1; 0: there is none
@@ -73,6 +78,7 @@ struct WireReport {
 
   bool has_head = false, servo_limit = false, servo_fault = false, inhibited = false;
   double pan_deg = 0, tilt_deg = 0;  ///< 0 without a head
+  AimState head_state = AimState::kNone;
 };
 static_assert(std::is_trivially_copyable_v<WireReport>);
 

@@ -58,7 +58,7 @@ in_root "$root" "$PWD" bash -ec '
   preset=$1 jobs=$2
   export DEB_HOST_ARCH=$3
   cmake --preset "$preset" -DCMAKE_CXX_FLAGS="-ffile-prefix-map=/ninedot=." > /dev/null
-  cmake --build --preset "$preset" -j "$jobs" --target ninedot ninedotd
+  cmake --build --preset "$preset" -j "$jobs" --target ninedot ninedotd ninedot-web
   rm -f "build/$preset"/package/*.deb
   cmake --build --preset "$preset" --target package
 ' cross "$preset" "${NINEDOT_JOBS:-$(nproc)}" "$arch" > "build/cross-$arch.log" 2>&1 ||
@@ -66,6 +66,6 @@ in_root "$root" "$PWD" bash -ec '
 
 ln -sfn "$root" "build/$preset/root"
 # shellcheck disable=SC2012
-made=$(ls "build/$preset"/package/*_"$arch".deb)
+made=$(ls "build/$preset"/package/ninedot_*_"$arch".deb)
 file -b "build/$preset/bin/ninedotd" | grep -q 'ARM' || roots_fail "build/$preset/bin/ninedotd is not a program for ARM ($triplet)"
 echo "== $made ($(du -h "$made" | cut -f 1)), built in $((SECONDS - started)) s"

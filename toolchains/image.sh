@@ -144,7 +144,7 @@ start=$((4 + fat_mib + root_mib))MiB, size=${data_mib}MiB, type=83" | sfdisk -q 
 }
 
 NINEDOT_JOBS=${NINEDOT_JOBS:-$(nproc)} toolchains/cross.sh arm64
-deb=$(ls build/package-arm64/package/*_arm64.deb)
+deb=$(ls build/package-arm64/package/ninedot_*_arm64.deb)
 base=$(debian_base "$deb")
 work=$(mktemp -d "$ninedot_cache/board-work-XXXXXX")
 log=

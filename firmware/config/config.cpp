@@ -60,12 +60,42 @@ class Suggestion {
   std::size_t best_cost_ = std::numeric_limits<std::size_t>::max();
 };
 
+/// A list of tables, [[...]].
+struct ListOfTables {
+  std::string_view table;
+  /// Adds an entry. \return  its index
+  std::size_t (*add)(Config& config);
+  std::string_view entry;                  ///< in words
+  std::array<std::string_view, 2> needed;  ///< keys that each entry must have; empty: none
+};
+
+template <typename Entries>
+std::size_t add_to(Entries& entries) {
+  entries.emplace_back();
+  return entries.size() - 1;
+}
+
+constexpr std::array kLists{
+    ListOfTables{"landmarks", [](Config& config) { return add_to(config.landmarks); }, "a landmark", {"id", ""}},
+    ListOfTables{
+        "simulation.robot", [](Config& config) { return add_to(config.simulation.robot); }, "a way-point", {"t_s", ""}},
+    ListOfTables{"simulation.hidden",
+                 [](Config& config) { return add_to(config.simulation.hidden); },
+                 "a hidden interval",
+                 {"from_s", "to_s"}},
+};
+
+const ListOfTables* list_of(std::string_view table) {
+  const auto* const found = std::ranges::find(kLists, table, &ListOfTables::table);
+  return found == kLists.end() ? nullptr : found;
+}
+
 class ConfigReader {
  public:
   ConfigReader(const toml::table& root, ConfigProblems& problems) : root_(root), problems_(problems) {}
 
   Config read() {
-    read_table(root_, "");
+    read_table(root_, "", "");
     return std::move(config_);
   }
 
@@ -74,7 +104,7 @@ class ConfigReader {
     for (const auto& [key, node] : root_) {
       const int line = static_cast<int>(key.source().begin.line);
       if (key.str() == "landmarks")
-        read_landmarks(node, line);
+        read_list(node, kLists.front(), line);
       else
         problems_.add(line, fmt::format("'{}' does not belong here: a map holds [[landmarks]] only", key.str()));
     }
@@ -86,14 +116,14 @@ class ConfigReader {
     return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
   }
 
-  void read_table(const toml::table& table, std::string_view path) {
+  /// \param place  the path, with the index of an entry: "landmarks.0"
+  void read_table(const toml::table& table, std::string_view path, std::string_view place) {
     for (const auto& [key, node] : table) {
       const std::string full = join(path, key.str());
       const int line = static_cast<int>(key.source().begin.line);
-      problems_.lines.try_emplace(
-          path == "landmarks" ? fmt::format("landmarks.{}.{}", config_.landmarks.size() - 1, key.str()) : full, line);
-      if (full == "landmarks")
-        read_landmarks(node, line);
+      problems_.lines.try_emplace(join(place, key.str()), line);
+      if (const ListOfTables* list = list_of(full))
+        read_list(node, *list, line);
       else if (!full.empty() && !config_table_meaning(full).empty())
         read_sub_table(node, full, line);
       else
@@ -105,23 +135,25 @@ class ConfigReader {
     if (path == "modbus.tcp") config_.modbus_tcp.enabled = true;
     if (path == "modbus.rtu") config_.modbus_rtu.enabled = true;
     if (const toml::table* table = node.as_table())
-      read_table(*table, path);
+      read_table(*table, path, path);
     else
       problems_.add(line, fmt::format("'{0}' is a table; write [{0}]", path));
   }
 
-  void read_landmarks(const toml::node& node, int line) {
+  void read_list(const toml::node& node, const ListOfTables& list, int line) {
     const toml::array* array = node.as_array();
     if (array == nullptr || !std::ranges::all_of(*array, [](const toml::node& item) { return item.is_table(); })) {
-      problems_.add(line, "'landmarks' is a list of tables; write [[landmarks]]");
+      problems_.add(line, fmt::format("'{0}' is a list of tables; write [[{0}]]", list.table));
       return;
     }
     for (const toml::node& item : *array) {
-      config_.landmarks.emplace_back();
-      const int landmark_line = static_cast<int>(item.source().begin.line);
-      problems_.lines.emplace(fmt::format("landmarks.{}", config_.landmarks.size() - 1), landmark_line);
-      read_table(*item.as_table(), "landmarks");
-      if (!item.as_table()->contains("id")) problems_.add(landmark_line, "a landmark needs an 'id'");
+      const std::string place = fmt::format("{}.{}", list.table, list.add(config_));
+      const int entry_line = static_cast<int>(item.source().begin.line);
+      problems_.lines.emplace(place, entry_line);
+      read_table(*item.as_table(), list.table, place);
+      for (const std::string_view key : list.needed)
+        if (!key.empty() && !item.as_table()->contains(key))
+          problems_.add(entry_line, fmt::format("{} needs {} '{}'", list.entry, key == "id" ? "an" : "a", key));
     }
   }
 
@@ -169,6 +201,13 @@ class ConfigReader {
     if (!number || !std::isfinite(*number)) return refuse_type(key, line, "a finite number");
     if (*number < key.min || *number > key.max) return refuse_range(key, fmt::format("{}", *number), line);
     *slot = *number;
+  }
+
+  void assign(const ConfigKey& key, const toml::node& node, std::optional<double>* slot, int line) {
+    double number = 0;
+    const std::size_t problems_before = problems_.list.size();
+    assign(key, node, &number, line);
+    if (problems_.list.size() == problems_before) *slot = number;
   }
 
   template <typename Integer>

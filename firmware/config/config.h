@@ -13,7 +13,7 @@ namespace ninedot {
 
 /// [camera]
 struct CameraConfig {
-  std::string source = "recording";  ///< `source`: libcamera | v4l2 | recording | simulated (not built)
+  std::string source = "recording";  ///< `source`: libcamera | v4l2 | recording | simulated
   std::string device;                ///< `device`: v4l2 path, libcamera id, or the recording's folder or .y4m file
   int width_px = 640;                ///< `width_px`: 16..8192
   int height_px = 480;               ///< `height_px`: 16..8192
@@ -24,6 +24,8 @@ struct CameraConfig {
   std::string calibration;               ///< `calibration`: camera.yaml; empty = the recording's own
   bool lower_rate_in_the_dark = false;   ///< `lower_rate_in_the_dark`: automatic exposure may lower the frame rate
   std::string power_line = "unchanged";  ///< `power_line`: unchanged | off | 50Hz | 60Hz | automatic
+  std::string focus = "unchanged";       ///< `focus`: unchanged | fixed | automatic
+  double focus_position = -1;            ///< `focus_position`: -1 = not said, 0..1e6 [driver's steps], libcamera [1/m]
   double readout_us = 0;                 ///< `readout_us`: 0..1e6, end of the exposure to the end of the frame
   double row_time_us = 0;       ///< `row_time_us`: 0..1000; from one row's exposure to the next's, 0 = global shutter
   int stall_frames = 10;        ///< `stall_frames`: 3..1000 frame periods without a frame: the camera is lost
@@ -90,31 +92,49 @@ struct BodyConfig {
 
 /// [pan_tilt.pan], [pan_tilt.tilt]
 struct HeadAxisConfig {
-  double min_deg = -45, max_deg = 45;        ///< `min_deg`, `max_deg`: -180..180; the axis is never sent beyond
-  double neutral_deg = 0;                    ///< `neutral_deg`: where it stands at the start
-  double slew_deg_per_s = 60;                ///< `slew_deg_per_s`: 0.1..3600
-  std::string direction = "normal";          ///< `direction`: normal | reversed
-  double centre_us = 1500, us_per_deg = 10;  ///< `centre_us`, `us_per_deg`: pulse at 0 deg, and its change
-  double min_us = 1000, max_us = 2000;       ///< `min_us`, `max_us`: 200..5000; no pulse is ever beyond
-  std::vector<AxisPoint> calibration;        ///< `calibration`: [[angle_deg, pulse_us], ...]
-  std::string chip;                          ///< `chip`: sysfs-pwm: the PWM chip's device
-  int channel = 0;                           ///< `channel`: sysfs-pwm: 0..63
-  std::string line;                          ///< `line`: gpio: NAME or LABEL:OFFSET
+  double min_deg = -45, max_deg = 45;         ///< `min_deg`, `max_deg`: -180..180; the axis is never sent beyond
+  double neutral_deg = 0;                     ///< `neutral_deg`: where it waits for the first landmark
+  std::optional<double> start_deg, park_deg;  ///< `start_deg`, `park_deg`: none = neutral_deg
+  double slew_deg_per_s = 60;                 ///< `slew_deg_per_s`: 0.1..3600
+  double acceleration_deg_per_s2 = 1000;      ///< `acceleration_deg_per_s2`: 1..1e5
+  std::string direction = "normal";           ///< `direction`: normal | reversed
+  double centre_us = 1500, us_per_deg = 10;   ///< `centre_us`, `us_per_deg`: pulse at 0 deg, and its change
+  double min_us = 1000, max_us = 2000;        ///< `min_us`, `max_us`: 200..5000; no pulse is ever beyond
+  std::vector<AxisPoint> calibration;         ///< `calibration`: [[angle_deg, pulse_us], ...]
+  std::string chip;                           ///< `chip`: sysfs-pwm: the PWM chip's device
+  int channel = 0;                            ///< `channel`: sysfs-pwm: 0..63; pca9685: 0..15
+  int id = 1;                                 ///< `id`: dynamixel, feetech: 0..252; of tilt 2
+  std::string line;                           ///< `line`: gpio: NAME or LABEL:OFFSET
 };
 
 /// [pan_tilt]
 struct PanTiltConfig {
-  std::string driver = "none";  ///< `driver`: none | sysfs-pwm | gpio | visca | simulated
-  bool follow = true;           ///< `follow`: the head follows the landmark from the start on
-  double gain = 0.5;            ///< `gain`: 0.01..1; part of the deviation that one frame takes away
-  double dead_band_deg = 0.2;   ///< `dead_band_deg`: 0..10; a smaller deviation is no reason to move
-  double period_ms = 20;        ///< `period_ms`: 5..40; of servo pulses
+  std::string driver = "none";    ///< `driver`: none | sysfs-pwm | pca9685 | gpio | visca | dynamixel | feetech-sts |
+                                  ///< feetech-scs | simulated
+  bool follow = true;             ///< `follow`: the head follows the landmark from the start on
+  double gain = 0.5;              ///< `gain`: 0.01..1; part of the deviation that one frame takes away, at 35 Hz
+  double dead_band_deg = 0.2;     ///< `dead_band_deg`: 0..10; a smaller deviation is no reason to move
+  double head_delay_ms = 20;      ///< `head_delay_ms`: 0..500; from a command until the head stands there
+  double coast_ms = 1000;         ///< `coast_ms`: 0..60000; so long a landmark out of sight is followed on
+  bool search = true;             ///< `search`: sweep for a landmark that was lost
+  bool search_at_start = false;   ///< `search_at_start`: also before one was seen
+  double search_deg_per_s = 45;   ///< `search_deg_per_s`: 0.1..3600
+  double park_after_s = 0;        ///< `park_after_s`: 0 = never .. 1e6; without a landmark in sight
+  bool park_at_shutdown = false;  ///< `park_at_shutdown`
+  std::string landmark = "hand-over";    ///< `landmark`: hand-over | nearest | reported | id
+  int landmark_id = 0;                   ///< `landmark_id`: 0..65535; of landmark = "id"
+  double hand_over_margin_percent = 20;  ///< `hand_over_margin_percent`: 0..90
+  double period_ms = 20;                 ///< `period_ms`: 5..40; of servo pulses
   int pulse_priority = 60;      ///< `pulse_priority`: gpio: 0 (off)..99, SCHED_FIFO of the thread that makes pulses
-  std::string device;           ///< `device`: visca: serial port
-  int address = 1;              ///< `address`: visca: 1..7
-  int zoom = -1;                ///< `zoom`: visca: 0..1023 [steps], set at the start; -1 = left as it is
+  std::string device;           ///< `device`: visca, dynamixel, feetech: serial port; pca9685: I2C bus
+  int baud = 0;                 ///< `baud`: dynamixel, feetech: of kServoBaudRates [baud]; 0 = as the maker sets it
+  int address = -1;             ///< `address`: visca: 1..7; pca9685: 0x40..0x77; -1 = the first of them
+  double oscillator_hz = 25e6;  ///< `oscillator_hz`: pca9685: 1e6..5e7
+  std::string output_enable;    ///< `output_enable`: pca9685: NAME or LABEL:OFFSET of its OE pin; empty = wired
+  std::string when_stopped = "release";  ///< `when_stopped`: release | hold; pca9685, dynamixel, feetech
+  int zoom = -1;                         ///< `zoom`: visca: 0..1023 [steps], set at the start; -1 = left as it is
   HeadAxisConfig pan, tilt;
-  PanTiltConfig() { tilt.channel = 1; }
+  PanTiltConfig() { tilt.channel = 1, tilt.id = 2; }
 };
 
 /// [gpio]: single lines; empty = none
@@ -157,10 +177,62 @@ struct OutputsConfig {
   std::string euler = "zyx";             ///< `euler`: zyx | fanuc | kuka
 };
 
+/// [tap]
+struct TapConfig {
+  bool enabled = false;                       ///< `enabled`: the newest frame for others, in shared memory
+  std::string path = "/run/ninedot-tap/tap";  ///< `path`: of the file, in a folder in memory
+};
+
+/// [web]: of `ninedot-web`, which reads the tap
+struct WebConfig {
+  std::string listen = "127.0.0.1";  ///< `listen`: IPv4 or IPv6 address
+  std::uint16_t port = 8090;         ///< `port`: 1..65535
+  std::vector<std::string> names;    ///< `names`: by which browsers call this machine, beside its addresses
+  std::string token_file;        ///< `token_file`: whoever knows what it holds may look; empty = all that can connect
+  std::string certificate, key;  ///< `certificate`, `key`: PEM files for TLS; empty = no TLS
+  double pictures_per_s = 10;    ///< `pictures_per_s`: 0.5..12
+  int quality = 75;              ///< `quality`: 20..95, of the JPEG pictures
+};
+
 /// [service]
 struct ServiceConfig {
   int realtime_priority = 50;  ///< `realtime_priority`: 0 (off)..99, SCHED_FIFO of the frame loop
   bool lock_memory = true;     ///< `lock_memory`: mlockall
+};
+
+/// [[simulation.robot]]: a way-point of the body
+struct WayPointConfig {
+  double t_s = 0;                       ///< `t_s`: 0..86400, later than the one before
+  double x_mm = 0, y_mm = 0, z_mm = 0;  ///< `x_mm`, `y_mm`, `z_mm`: of the body's origin, in the world
+  double heading_deg = 0;               ///< `heading_deg`: -36000..36000; of the body's x axis about the world's Z
+};
+
+/// [[simulation.hidden]]: everything is covered
+struct HiddenConfig {
+  double from_s = 0, to_s = 0;  ///< `from_s`, `to_s`: 0..86400, in this order
+};
+
+/// [simulation.servo]: the true dynamics of both axes of the simulated head
+struct SimulatedServoConfig {
+  double speed_deg_s = 353;           ///< `speed_deg_s`: 1..36000; fastest turn: 0.17 s for 60 deg
+  double acceleration_deg_s2 = 6000;  ///< `acceleration_deg_s2`: 1..1e6 [deg/s^2]; fastest change of that
+  double dead_band_deg = 0;           ///< `dead_band_deg`: 0..45; to each side of where it was told to stand
+  double backlash_deg = 0;            ///< `backlash_deg`: 0..45; play between the servo and the camera, end to end
+  double resolution_deg = 0;          ///< `resolution_deg`: 0..45; step of the commands; 0 = none
+  double delay_ms = 0;                ///< `delay_ms`: 0..1000; from the command until it takes effect
+  double pan_start_deg = 0;           ///< `pan_start_deg`: -180..180; where it stands before its first command
+  double tilt_start_deg = 0;          ///< `tilt_start_deg`: -180..180
+};
+
+/// [simulation]: for `ninedot simulate`, and for `ninedotd` with camera.source = "simulated"
+struct SimulationConfig {
+  double duration_s = 10;             ///< `duration_s`: 0.1..86400
+  double camera_delay_ms = 20;        ///< `camera_delay_ms`: 0..1000; mid-exposure to the frame's arrival
+  double noise_lsb = 2;               ///< `noise_lsb`: 0..30; 1-sigma of a pixel's grey level at 128 of 255
+  double blur_px = 0.6;               ///< `blur_px`: 0..2; 1-sigma of the lens's point spread
+  std::vector<WayPointConfig> robot;  ///< none: there is no simulation
+  std::vector<HiddenConfig> hidden;
+  SimulatedServoConfig servo;
 };
 
 struct Config {
@@ -178,7 +250,10 @@ struct Config {
   ModbusTcpConfig modbus_tcp;
   ModbusRtuConfig modbus_rtu;
   OutputsConfig outputs;
+  TapConfig tap;
+  WebConfig web;
   ServiceConfig service;
+  SimulationConfig simulation;
 };
 
 }  // namespace ninedot

@@ -12,6 +12,7 @@
 #include "base/baud_rates.h"
 #include "config/head_options.h"
 #include "config/landmark_checks.h"
+#include "config/simulation_keys.h"
 #include "geometry/landmark_faults.h"
 
 namespace ninedot {
@@ -63,6 +64,37 @@ void check_modbus(const Config& config, ConfigProblems& problems) {
   if (config.modbus_rtu.device.empty()) problems.add(problems.line_of("modbus.rtu.device"), "'device' is empty");
 }
 
+/// Addresses, channels and servos' numbers, whose ranges depend on the driver.
+void check_addresses(const PanTiltConfig& head, ConfigProblems& problems) {
+  const auto check = [&](const char* key, int value, int first, int last, const char* written) {
+    if (value < first || value > last)
+      problems.add(problems.line_of(key),
+                   fmt::format("'{}' is {}; write {}",
+                               std::string_view(key).substr(std::string_view(key).rfind('.') + 1), value, written));
+  };
+  if (head.driver == "visca" && head.address != -1) check("pan_tilt.address", head.address, 1, 7, "1 to 7");
+  if (head.driver != "pca9685") return;
+  if (head.address != -1) check("pan_tilt.address", head.address, 0x40, 0x77, "0x40 to 0x77");
+  check("pan_tilt.pan.channel", head.pan.channel, 0, 15, "0 to 15");
+  check("pan_tilt.tilt.channel", head.tilt.channel, 0, 15, "0 to 15");
+}
+
+void check_web(const Config& config, ConfigProblems& problems) {
+  const WebConfig& web = config.web;
+  if (!is_address(web.listen))
+    problems.add(problems.line_of("web.listen"),
+                 fmt::format("'listen' is '{}'; write an IPv4 or IPv6 address", web.listen));
+  else if (!is_loopback(web.listen) && web.token_file.empty())
+    problems.add(
+        problems.line_of("web.listen"),
+        fmt::format("'listen' is '{}', which other machines can reach: write a 'token_file' as well", web.listen));
+  if (web.certificate.empty() != web.key.empty())
+    problems.add(problems.line_of(web.key.empty() ? "web.certificate" : "web.key"),
+                 "TLS needs both 'certificate' and 'key'");
+  if (config.tap.enabled && config.tap.path.empty())
+    problems.add(problems.line_of("tap.path"), "'path' is empty; write a file's name");
+}
+
 void check_head(const PanTiltConfig& head, ConfigProblems& problems) {
   if (head.driver == "none") return;
   check_head_axes(head, problems);
@@ -70,7 +102,14 @@ void check_head(const PanTiltConfig& head, ConfigProblems& problems) {
     if (name.empty())
       problems.add(problems.line_of(key), fmt::format("'{}' is empty; write {}", key.substr(key.rfind('.') + 1), what));
   };
+  const bool is_smart = head.driver == "dynamixel" || head.driver.starts_with("feetech");
   if (head.driver == "visca") need("pan_tilt.device", head.device, "the camera's serial port");
+  if (is_smart) need("pan_tilt.device", head.device, "the servos' serial port");
+  if (head.driver == "pca9685") need("pan_tilt.device", head.device, "the I2C bus, like /dev/i2c-1");
+  check_addresses(head, problems);
+  if (is_smart && head.baud != 0 && !is_servo_baud_rate(head.baud))
+    problems.add(problems.line_of("pan_tilt.baud"),
+                 fmt::format("'baud' is {}; write one of {}, or 0", head.baud, fmt::join(kServoBaudRates, ", ")));
   for (const auto& [table, axis] : {std::pair("pan_tilt.pan", &head.pan), std::pair("pan_tilt.tilt", &head.tilt)}) {
     if (head.driver == "sysfs-pwm")
       need(fmt::format("{}.chip", table), axis->chip, "the device of the PWM chip, like fe20c000.pwm");
@@ -100,7 +139,17 @@ void check_sharing(const Config& config, ConfigProblems& problems) {
     uses.push_back({"pan_tilt.pan.channel", pwm(head.pan)});
     uses.push_back({"pan_tilt.tilt.channel", pwm(head.tilt)});
   }
-  if (head.driver == "visca") uses.push_back({"pan_tilt.device", port(head.device)});
+  const bool is_smart = head.driver == "dynamixel" || head.driver.starts_with("feetech");
+  if (head.driver == "visca" || is_smart) uses.push_back({"pan_tilt.device", port(head.device)});
+  if (head.driver == "pca9685") {
+    uses.push_back({"pan_tilt.output_enable", head.output_enable});
+    uses.push_back({"pan_tilt.pan.channel", fmt::format("channel {}", head.pan.channel)});
+    uses.push_back({"pan_tilt.tilt.channel", fmt::format("channel {}", head.tilt.channel)});
+  }
+  if (is_smart) {
+    uses.push_back({"pan_tilt.pan.id", fmt::format("servo {}", head.pan.id)});
+    uses.push_back({"pan_tilt.tilt.id", fmt::format("servo {}", head.tilt.id)});
+  }
   if (config.modbus_rtu.enabled) uses.push_back({"modbus.rtu.device", port(config.modbus_rtu.device)});
   for (std::size_t i = 0; i < uses.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
@@ -110,6 +159,8 @@ void check_sharing(const Config& config, ConfigProblems& problems) {
 }
 
 }  // namespace
+
+bool is_loopback(const std::string& address) { return address == "::1" || address.starts_with("127."); }
 
 int ConfigProblems::line_of(std::string_view key) const {
   for (;;) {
@@ -140,7 +191,9 @@ void check_config(const Config& config, ConfigProblems& problems) {
   if (config.map.empty()) check_outputs(config, problems);
   check_head(config.pan_tilt, problems);
   check_modbus(config, problems);
+  check_web(config, problems);
   check_sharing(config, problems);
+  check_simulation(config, problems);
 }
 
 }  // namespace ninedot

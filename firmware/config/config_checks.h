@@ -19,6 +19,9 @@ struct ConfigProblem {
   std::pair<std::string_view, int> place() const { return {file, line}; }
 };
 
+/// An address of this machine's own, which no other one can reach.
+bool is_loopback(const std::string& address);
+
 /// What is wrong with a configuration file, and where its keys stand.
 struct ConfigProblems {
   std::vector<ConfigProblem> list;

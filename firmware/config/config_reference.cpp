@@ -4,6 +4,9 @@
 
 #include <array>
 
+#include "config/head_keys.h"
+#include "config/simulation_keys.h"
+
 namespace ninedot {
 namespace {
 
@@ -15,37 +18,6 @@ constexpr double kMaxSigma_mm = 1e4;     // whoever knows a place no better does
 
 // A macro keeps the table one line per key: a captureless lambda cannot be written shorter.
 #define SLOT(member) [](Config& config) -> ConfigSlot { return &config.member; }
-
-// Both axes have the same keys.
-template <HeadAxisConfig PanTiltConfig::*axis>
-constexpr auto head_axis_keys(std::string_view table) {
-#define AXIS_SLOT(member) [](Config& config) -> ConfigSlot { return &(config.pan_tilt.*axis).member; }
-  return std::array{
-      ConfigKey{table, "min_deg", "deg", -180, 180, "", "the head is never sent below", AXIS_SLOT(min_deg)},
-      ConfigKey{table, "max_deg", "deg", -180, 180, "", "the head is never sent above", AXIS_SLOT(max_deg)},
-      ConfigKey{table, "neutral_deg", "deg", -180, 180, "", "where it stands at the start", AXIS_SLOT(neutral_deg)},
-      ConfigKey{table, "slew_deg_per_s", "deg/s", 0.1, 3600, "", "fastest turn", AXIS_SLOT(slew_deg_per_s)},
-      ConfigKey{table, "direction", "", 0, 0, "normal|reversed",
-                "`normal`: a longer pulse turns to the left or upwards; with `visca`: the camera stands upright",
-                AXIS_SLOT(direction)},
-      ConfigKey{table, "centre_us", "us", 200, 5000, "", "pulse at 0 deg", AXIS_SLOT(centre_us)},
-      ConfigKey{table, "us_per_deg", "us/deg", 0.1, 1000, "", "change of the pulse", AXIS_SLOT(us_per_deg)},
-      ConfigKey{table, "min_us", "us", 200, 5000, "", "no pulse is ever shorter", AXIS_SLOT(min_us)},
-      ConfigKey{table, "max_us", "us", 200, 5000, "", "no pulse is ever longer", AXIS_SLOT(max_us)},
-      ConfigKey{
-          table, "calibration", "", -1e5, 1e5, "",
-          "points `[angle_deg, pulse_us]`, with `visca` `[angle_deg, steps]`, by rising angle; takes the place of "
-          "direction, centre_us and us_per_deg",
-          AXIS_SLOT(calibration)},
-      ConfigKey{table, "chip", "", 0, 0, "",
-                "`sysfs-pwm`: device of the PWM chip, where /sys/class/pwm/pwmchipN/device points to: `fe20c000.pwm`",
-                AXIS_SLOT(chip)},
-      ConfigKey{table, "channel", "", 0, 63, "", "`sysfs-pwm`: channel of the chip", AXIS_SLOT(channel)},
-      ConfigKey{table, "line", "", 0, 0, "", "`gpio`: a line's name, or chip label and offset `LABEL:OFFSET`",
-                AXIS_SLOT(line)},
-  };
-#undef AXIS_SLOT
-}
 
 constexpr std::string_view kPixelFormats =
     "auto|GREY|NV12|NV21|YU12|YUYV|UYVY|Y10|Y12|Y16|Y10P|Y12P|RGGB|BGGR|GRBG|GBRG|MJPG";
@@ -59,10 +31,9 @@ const std::array kKeysUpToTheHead{
         "relative path starts at the folder of the configuration file; SIGHUP reads it again; empty = they stand here",
         SLOT(map)},
 
-    ConfigKey{
-        "camera", "source", "", 0, 0, "libcamera|v4l2|recording|simulated",
-        "where frames come from; `simulated` is kept for later: this version has no simulated camera and refuses it",
-        SLOT(camera.source)},
+    ConfigKey{"camera", "source", "", 0, 0, "libcamera|v4l2|recording|simulated",
+              "where frames come from; `simulated`: the scenario in `[simulation]`, see docs/simulation.md",
+              SLOT(camera.source)},
     ConfigKey{
         "camera", "device", "", 0, 0, "",
         "V4L2 path, libcamera id, or the recording's folder or .y4m file; a recording's relative path starts at the "
@@ -82,6 +53,16 @@ const std::array kKeysUpToTheHead{
               SLOT(camera.lower_rate_in_the_dark)},
     ConfigKey{"camera", "power_line", "", 0, 0, "unchanged|off|50Hz|60Hz|automatic",
               "V4L2: keeps the exposure clear of the flicker of lamps", SLOT(camera.power_line)},
+    ConfigKey{
+        "camera", "focus", "", 0, 0, "unchanged|fixed|automatic",
+        "`fixed`: autofocus is off, at every opening of the camera, and the lens stands at `focus_position`; with "
+        "a calibration an autofocus that is on is refused",
+        SLOT(camera.focus)},
+    ConfigKey{
+        "camera", "focus_position", "", -1, 1e6, "",
+        "with `fixed`: where the lens stands, as it did when the camera was calibrated; with V4L2 in the driver's "
+        "steps, with libcamera 1 / distance in 1/m; -1 = the lens can't be moved",
+        SLOT(camera.focus_position)},
     ConfigKey{"camera", "readout_us", "us", 0, 1e6, "",
               "from the end of the exposure to the end of the frame, for cameras that stamp the end: global shutter "
               "the whole read-out, rolling shutter half of it",
@@ -170,7 +151,8 @@ const std::array kKeysUpToTheHead{
               "smoother, and lags when the robot does more",
               SLOT(track.acceleration_sigma_m_s2)},
     ConfigKey{"track", "angular_acceleration_sigma_deg_s2", "deg/s^2", 0.1, 1e5, "",
-              "likewise of the camera's turns, its head's included", SLOT(track.angular_acceleration_sigma_deg_s2)},
+              "likewise of the robot's turns; a head's own, `slew_deg_per_s` within that time, come on top",
+              SLOT(track.angular_acceleration_sigma_deg_s2)},
     ConfigKey{"track", "common_share", "", 0, 0.9, "",
               "of a frame's variance the share that consecutive frames have in common, and that averaging leaves",
               SLOT(track.common_share)},
@@ -199,26 +181,6 @@ const std::array kKeysUpToTheHead{
     ConfigKey{"body", "mount_sigma_deg", "deg", 0, 30, "", "1-sigma of its orientation, each axis",
               SLOT(body.mount_sigma_deg)},
 
-    ConfigKey{"pan_tilt", "driver", "", 0, 0, "none|sysfs-pwm|gpio|visca|simulated",
-              "how the head is moved: PWM of the kernel, pulses on GPIO lines, a camera that speaks VISCA, not at all",
-              SLOT(pan_tilt.driver)},
-    ConfigKey{"pan_tilt", "follow", "", 0, 0, "",
-              "keep the landmark in the middle of the picture from the start on; else stay until a command comes",
-              SLOT(pan_tilt.follow)},
-    ConfigKey{"pan_tilt", "gain", "", 0.01, 1, "", "part of the deviation from the middle that one frame takes away",
-              SLOT(pan_tilt.gain)},
-    ConfigKey{"pan_tilt", "dead_band_deg", "deg", 0, 10, "", "a smaller deviation is no reason to move",
-              SLOT(pan_tilt.dead_band_deg)},
-    ConfigKey{"pan_tilt", "period_ms", "ms", 5, 40, "", "`sysfs-pwm`, `gpio`: from pulse to pulse",
-              SLOT(pan_tilt.period_ms)},
-    ConfigKey{"pan_tilt", "pulse_priority", "", 0, 99, "",
-              "`gpio`: SCHED_FIFO priority of the thread that makes the pulses; 0 = off",
-              SLOT(pan_tilt.pulse_priority)},
-    ConfigKey{"pan_tilt", "device", "", 0, 0, "", "`visca`: serial port of the camera", SLOT(pan_tilt.device)},
-    ConfigKey{"pan_tilt", "address", "", 1, 7, "", "`visca`: the camera's place in the chain", SLOT(pan_tilt.address)},
-    ConfigKey{"pan_tilt", "zoom", "", -1, 1023, "",
-              "`visca`: zoom position set at the start, the one that the camera was calibrated at; -1 = left as it is",
-              SLOT(pan_tilt.zoom)},
 };
 
 const std::array kKeysAfterTheHead{
@@ -265,6 +227,32 @@ const std::array kKeysAfterTheHead{
     ConfigKey{"outputs", "euler", "", 0, 0, "zyx|fanuc|kuka",
               "the angles of registers 127-144: yaw, pitch, roll; FANUC W, P, R; KUKA A, B, C", SLOT(outputs.euler)},
 
+    ConfigKey{"tap", "enabled", "", 0, 0, "",
+              "give the newest frame and what was found in it to other programs of this machine, see docs/tap.md",
+              SLOT(tap.enabled)},
+    ConfigKey{"tap", "path", "", 0, 0, "",
+              "the file of the shared memory; its folder must be in memory and belong to the service, and its group "
+              "may read",
+              SLOT(tap.path)},
+
+    ConfigKey{"web", "listen", "", 0, 0, "",
+              "IPv4 or IPv6 address; any but this machine's own, 127.0.0.1 or ::1, needs a `token_file`",
+              SLOT(web.listen)},
+    ConfigKey{"web", "port", "", 1, 65535, "", "TCP port", SLOT(web.port)},
+    ConfigKey{"web", "names", "", 0, 0, "",
+              "names by which browsers call this machine (`sensor7.plant.example`); its addresses and `localhost` "
+              "need no entry",
+              SLOT(web.names)},
+    ConfigKey{"web", "token_file", "", 0, 0, "",
+              "file of mode 600 with one line of 32 characters or more, which the page asks for; empty = everybody "
+              "who can connect may look",
+              SLOT(web.token_file)},
+    ConfigKey{"web", "certificate", "", 0, 0, "", "PEM file, for TLS; empty = no TLS", SLOT(web.certificate)},
+    ConfigKey{"web", "key", "", 0, 0, "", "PEM file of its private key, of mode 600", SLOT(web.key)},
+    ConfigKey{"web", "pictures_per_s", "Hz", 0.5, 12, "", "pictures and reports per second, at most",
+              SLOT(web.pictures_per_s)},
+    ConfigKey{"web", "quality", "", 20, 95, "", "of the JPEG pictures", SLOT(web.quality)},
+
     ConfigKey{"service", "realtime_priority", "", 0, 99, "", "SCHED_FIFO priority of the frame loop; 0 = off",
               SLOT(service.realtime_priority)},
     ConfigKey{"service", "lock_memory", "", 0, 0, "", "keep the service in memory (mlockall)",
@@ -298,13 +286,34 @@ constexpr std::array kTables{
     TableMeaning{"modbus.tcp", "Modbus TCP; served when the table is there, be it empty."},
     TableMeaning{"modbus.rtu", "Modbus RTU on a serial line; served when the table is there, be it empty."},
     TableMeaning{"outputs", "What of the pose others are told."},
+    TableMeaning{"tap", "What other programs of this machine may see: `ninedot tap`, the page."},
+    TableMeaning{"web", "The page, served by `ninedot-web`; it needs the tap, see docs/page.md."},
     TableMeaning{"service", "How `ninedotd` runs."},
+    TableMeaning{"simulation",
+                 "A scenario, for `ninedot simulate` and for `source = \"simulated\"`: see docs/simulation.md."},
+    TableMeaning{"simulation.robot",
+                 "A way-point of the robot: one table `[[simulation.robot]]` for each, straight lines between them. "
+                 "Without `[body]` the axes of the head meet in the body's origin."},
+    TableMeaning{"simulation.hidden", "A time during which everything is covered; one table for each."},
+    TableMeaning{"simulation.servo", "How the two axes of the simulated head truly move."},
 };
+
+/// One in each list, for their keys' slots.
+Config config_with_entries() {
+  Config config;
+  config.landmarks.emplace_back();
+  config.simulation.robot.emplace_back();
+  config.simulation.hidden.emplace_back();
+  return config;
+}
+
+bool is_list(std::string_view table) {
+  return table == "landmarks" || table == "simulation.robot" || table == "simulation.hidden";
+}
 
 /// What a key is when the file does not say.
 std::string default_text(const ConfigKey& key) {
-  Config config;
-  config.landmarks.emplace_back();
+  Config config = config_with_entries();
   struct Printer {
     std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
     std::string operator()(const int* value) const { return fmt::format("{}", *value); }
@@ -315,6 +324,7 @@ std::string default_text(const ConfigKey& key) {
     std::string operator()(const std::string* value) const { return fmt::format("\"{}\"", *value); }
     std::string operator()(const std::vector<std::string>*) const { return "[]"; }
     std::string operator()(const std::array<double, 3>*) const { return "[0, 0, 0]"; }
+    std::string operator()(const std::optional<double>*) const { return "none"; }
     std::string operator()(const std::optional<std::array<double, 3>>*) const { return "none"; }
     std::string operator()(const std::optional<std::array<double, 4>>*) const { return "none"; }
     std::string operator()(const std::vector<AxisPoint>*) const { return "[]"; }
@@ -328,8 +338,7 @@ std::string range_text(const ConfigKey& key) {
     for (const char c : key.choices) text += c == '|' ? std::string(", ") : std::string(1, c);
     return text;
   }
-  Config config;
-  config.landmarks.emplace_back();
+  Config config = config_with_entries();
   struct Printer {
     const ConfigKey& key;
     std::string numbers() const { return fmt::format("{} .. {}", key.min, key.max); }
@@ -342,6 +351,7 @@ std::string range_text(const ConfigKey& key) {
     std::string operator()(const std::string*) const { return "text"; }
     std::string operator()(const std::vector<std::string>*) const { return "list of texts"; }
     std::string operator()(const std::array<double, 3>*) const { return "three, each " + numbers(); }
+    std::string operator()(const std::optional<double>*) const { return numbers(); }
     std::string operator()(const std::optional<std::array<double, 3>>*) const { return "three, each " + numbers(); }
     std::string operator()(const std::optional<std::array<double, 4>>*) const { return "four, each " + numbers(); }
     std::string operator()(const std::vector<AxisPoint>*) const { return "list of pairs"; }
@@ -351,7 +361,7 @@ std::string range_text(const ConfigKey& key) {
 
 std::string heading_of(std::string_view table) {
   if (table.empty()) return "At the top";
-  return table == "landmarks" ? "[[landmarks]]" : fmt::format("[{}]", table);
+  return is_list(table) ? fmt::format("[[{}]]", table) : fmt::format("[{}]", table);
 }
 
 constexpr std::string_view kIntroduction = R"(# Configuration
@@ -368,9 +378,10 @@ This page is made from the table in `firmware/config/config_reference.cpp`; a te
 std::span<const ConfigKey> config_keys() {
   static const std::vector<ConfigKey> keys = [] {
     std::vector<ConfigKey> all(kKeysUpToTheHead.begin(), kKeysUpToTheHead.end());
-    for (const ConfigKey& key : head_axis_keys<&PanTiltConfig::pan>("pan_tilt.pan")) all.push_back(key);
-    for (const ConfigKey& key : head_axis_keys<&PanTiltConfig::tilt>("pan_tilt.tilt")) all.push_back(key);
-    all.insert(all.end(), kKeysAfterTheHead.begin(), kKeysAfterTheHead.end());
+    const auto add = [&](std::span<const ConfigKey> part) { all.insert(all.end(), part.begin(), part.end()); };
+    add(head_keys());
+    add(kKeysAfterTheHead);
+    add(simulation_keys());
     return all;
   }();
   return keys;

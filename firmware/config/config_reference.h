@@ -15,9 +15,9 @@ namespace ninedot {
 
 /// Where a key's value goes; the alternative is the key's type.
 using ConfigSlot =
-    std::variant<bool*, int*, std::uint16_t*, std::uint32_t*, double*, char*, std::string*, std::vector<std::string>*,
-                 std::array<double, 3>*, std::optional<std::array<double, 3>>*, std::optional<std::array<double, 4>>*,
-                 std::vector<AxisPoint>*>;
+    std::variant<bool*, int*, std::uint16_t*, std::uint32_t*, double*, std::optional<double>*, char*, std::string*,
+                 std::vector<std::string>*, std::array<double, 3>*, std::optional<std::array<double, 3>>*,
+                 std::optional<std::array<double, 4>>*, std::vector<AxisPoint>*>;
 
 struct ConfigKey {
   std::string_view table;  ///< "camera"; "landmarks" is the array of tables [[landmarks]]; empty: above all tables
@@ -26,7 +26,7 @@ struct ConfigKey {
   double min = 0, max = 0;   ///< [unit] of numbers, both allowed
   std::string_view choices;  ///< of words, separated by '|'; empty: any text
   std::string_view meaning;  ///< one line of Markdown
-  /// \param config  for [[landmarks]] its last landmark is meant
+  /// \param config  in a list of tables, as [[landmarks]], the last one is meant
   ConfigSlot (*slot)(Config& config);
 };
 

@@ -10,6 +10,7 @@
 #include "base/mailbox.h"
 #include "base/result.h"
 #include "geometry/body.h"
+#include "pipeline/frame_observer.h"
 #include "pipeline/frame_processor.h"
 #include "pipeline/latency_histogram.h"
 #include "ports/frame_source.h"
@@ -27,6 +28,7 @@ struct FrameLoopOptions {
   bool memory_locked = false;                                             ///< passed on in Health
   BodyGeometry body{};                                                    ///< where the camera sits on the robot
   Handoff<HeadSnapshot>* head = nullptr;  ///< what the head does, of its own thread; null: there is no head
+  FrameObserver* observer = nullptr;      ///< shown each processed frame; null: nobody looks on
 };
 
 /// Memory: everything before start(); nothing is allocated per frame. Threads: see each method. The references given to

@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "base/inline_vector.h"
@@ -22,9 +23,13 @@ struct LandmarkFix {
   std::size_t chosen = 0;                                      ///< index of the one that is believed
   Transform<frame::World, frame::Camera> T_world_camera;       ///< by the map
   PoseInformation covariance_world = PoseInformation::Zero();  ///< of a PoseStep of it [m^2, m rad, rad^2]
-  Reason verdict = Reason::kNone;                              ///< kNone: it may be acted on; else why not
-  std::uint16_t quality = 0;                                   ///< 0..1000, see pose_quality
-  LandmarkSighting sighting;                                   ///< what joins it with others and with other pictures
+  /// What of the position's 1-sigma, all axes together, is the calibration's: of `pose()`, of `covariance_world`. [m]
+  /// NaN: it does not say how good it is.
+  double calibration_sigma_m = std::numeric_limits<double>::quiet_NaN();
+  double calibration_sigma_world_m = std::numeric_limits<double>::quiet_NaN();
+  Reason verdict = Reason::kNone;  ///< kNone: it may be acted on; else why not
+  std::uint16_t quality = 0;       ///< 0..1000, see pose_quality
+  LandmarkSighting sighting;       ///< what joins it with others and with other pictures
 
   /// Of the camera in the frame of this landmark.
   const PoseEstimate& pose() const noexcept { return candidates.list[chosen].pose; }

@@ -31,11 +31,11 @@ std::uint16_t pose_quality(const PoseEstimate& pose) noexcept {
   return std::isfinite(quality) ? static_cast<std::uint16_t>(std::lround(quality)) : std::uint16_t{0};
 }
 
-PoseInformation covariance_in_world(const PoseEstimate& pose,
+PoseInformation covariance_in_world(const Matrix6d& covariance,
                                     const Transform<frame::World, frame::Landmark>& T_world_landmark) noexcept {
   PoseInformation turn = PoseInformation::Identity();
   turn.topLeftCorner<3, 3>() = T_world_landmark.rotation;
-  return turn * pose.covariance * turn.transpose();
+  return turn * covariance * turn.transpose();
 }
 
 Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
@@ -44,7 +44,8 @@ Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
       room_(std::make_unique<RoomMap>(camera, options.seeker.landmark, options.map, options.trust.max_ambiguity)),
       track_({camera.fx_px, options.seeker.landmark, options.seeker.solver == Solver::kFull,
               options.seeker.detector.upright}),
-      filter_(options.filter) {}
+      filter_(options.filter),
+      calibration_error_(camera, options.seeker.landmark, options.intrinsics) {}
 
 void Localiser::take_newest_map() noexcept {
   std::unique_ptr<RoomMap> fresh = options_.new_maps != nullptr ? options_.new_maps->take() : nullptr;
@@ -107,6 +108,15 @@ void Localiser::follow_in_world(const Frame& frame, const LandmarkFix& fix) noex
   (void)filter_.take(frame.exposed_at(), {&member, 1}, readings.span());
 }
 
+void Localiser::add_calibration_error(LandmarkFix& fix) noexcept {
+  if (!calibration_error_.is_known()) return;
+  PoseCandidate& candidate = fix.candidates.list[fix.chosen];
+  const Matrix6d share = calibration_error_.share_of(candidate);
+  candidate.pose.covariance += share;
+  fix.calibration_sigma_m = fix.calibration_sigma_world_m = position_sigma_m(share);
+  calibration_share_ = covariance_in_world(share, mapped().T_world_landmark);
+}
+
 void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bool fits) noexcept {
   const MappedLandmark& landmark = mapped();
   LandmarkFix fix;
@@ -114,9 +124,10 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bo
   fix.candidates = candidates;
   fix.chosen = chosen;
   widen(fix.candidates.list[chosen].pose, seeker_.row_motion().uncertainty, seeker_.camera());
+  add_calibration_error(fix);
   const PoseEstimate& pose = fix.pose();
   fix.T_world_camera = landmark.T_world_landmark * pose.T_landmark_camera;
-  fix.covariance_world = covariance_in_world(pose, landmark.T_world_landmark);
+  fix.covariance_world = covariance_in_world(pose.covariance, landmark.T_world_landmark);
   fix.quality = pose_quality(pose);
   fix.sighting = {fix.id, pose.T_landmark_camera.inverse(), fix.candidates.list[chosen].dots};
   fix.verdict = verdict_on(pose, fits, options_.trust);
@@ -157,6 +168,7 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
     if (seeker_.misfit()) add_fix(*seeker_.misfit(), 0, false);
   }
   fix_.track = filter_.at(frame.exposed_at());
+  if (fix_.track) fix_.track->covariance.topLeftCorner<6, 6>() += calibration_share_;
   fix_.found = track_.has_sighting() || !fix_.landmarks.empty();
   if (budget.is_overdrawn) ++frames_cut_;
   fix_.work = seeker_.detector().counts();

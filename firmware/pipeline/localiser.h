@@ -1,7 +1,9 @@
 #pragma once
 /// One frame's path: picture -> dots -> landmark -> pose with its uncertainty -> fix. The whole path is in `process`.
 #include <memory>
+#include <optional>
 
+#include "pipeline/calibration_error.h"
 #include "pipeline/frame_processor.h"
 #include "pipeline/landmark_seeker.h"
 #include "pipeline/room_map.h"
@@ -31,6 +33,8 @@ struct LocaliserOptions {
   /// second at 35 frames a second show a sheet that the map does not expect, at a tenth of a search for each frame.
   int search_every = 10;
   bool calibrated = true;
+  /// What the calibration leaves open about the intrinsics [px^2, px, 1]; none: it does not say, and no sigma knows.
+  std::optional<IntrinsicCovariance> intrinsics{};
 };
 
 /// How much to trust a pose, 0..1000: 1000 * precision * visible * unique, rounded, where
@@ -39,9 +43,9 @@ struct LocaliserOptions {
 ///   unique = 1 - ambiguity / 2: a half when the other planar solution fits as well.
 std::uint16_t pose_quality(const PoseEstimate& pose) noexcept;
 
-/// Of the camera in the world by one landmark's pose and its place, which is taken as exact.
-/// \return  of a PoseStep [m^2, m rad, rad^2]
-PoseInformation covariance_in_world(const PoseEstimate& pose,
+/// Of the camera in the world by the covariance of its pose at one landmark, whose place is taken as exact.
+/// \param covariance  PoseEstimate's [m^2, m rad, rad^2] \return  of a PoseStep [m^2, m rad, rad^2]
+PoseInformation covariance_in_world(const Matrix6d& covariance,
                                     const Transform<frame::World, frame::Landmark>& T_world_landmark) noexcept;
 
 /// Where there is one black-and-white landmark. Memory: everything is allocated by the constructor. Threads: one
@@ -62,6 +66,7 @@ class Localiser final : public FrameProcessor {
   Result<std::size_t> search(const Frame& frame) noexcept;
   void add_fix(const PoseCandidates& candidates, std::size_t chosen, bool fits) noexcept;
 
+  void add_calibration_error(LandmarkFix& fix) noexcept;
   void follow_in_world(const Frame& frame, const LandmarkFix& fix) noexcept;
 
   const LocaliserOptions options_;
@@ -69,6 +74,8 @@ class Localiser final : public FrameProcessor {
   std::unique_ptr<RoomMap> room_;
   Track track_;
   PoseFilter filter_;
+  CalibrationError calibration_error_;
+  PoseInformation calibration_share_ = PoseInformation::Zero();  // of the newest place in the world
   // What the frame before had no pixels left for: 0 nothing; else the search leaves out the likeliest guess and begins
   // with this one of the less likely.
   std::size_t next_guess_ = 0;

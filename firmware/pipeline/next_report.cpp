@@ -24,6 +24,8 @@ void fill_pose(const LandmarkFix& fix, const CameraOnBody& camera, Report& repor
   fill(pose.covariance, report.covariance);
   fill(fix.covariance_world, report.covariance_world);
   fill(body.covariance, report.covariance_body);
+  report.calibration_sigma_m = fix.calibration_sigma_m;
+  report.calibration_sigma_world_m = fix.calibration_sigma_world_m;
   report.landmark_id = fix.id;
   report.quality = fix.quality;
   report.ambiguity = pose.ambiguity;
@@ -57,13 +59,26 @@ CameraOnBody mounted_at(const Frame& frame, const ReportContext& context) noexce
 /// \param exposed_at  of a valid pose: where the head stood then; null: where it stands now
 void fill_head(const HeadSnapshot& head, const MonoTime* exposed_at, Report& report) noexcept {
   const HeadAngles angles = exposed_at != nullptr ? head.track.at(*exposed_at) : head.track.newest();
-  report.head = {true,        angles.pan_rad, angles.tilt_rad, head.limited,
-                 head.failed, head.inhibited, head.order,      head.progress};
+  report.head = {true,           angles.pan_rad, angles.tilt_rad, head.limited, head.failed,
+                 head.inhibited, head.order,     head.progress,   head.state};
+}
+
+static_assert(kMostReportSights == kMaxLandmarksInView - 1);
+
+void fill_others(const Fix& fix, Report& report) noexcept {
+  report.others.clear();
+  for (std::size_t i = 1; i < fix.landmarks.size(); ++i) {
+    const LandmarkFix& landmark = fix.landmarks[i];
+    if (landmark.verdict != Reason::kNone) continue;
+    const Eigen::Vector3d p_m = landmark.pose().T_landmark_camera.inverse().translation_m;
+    (void)report.others.try_push_back({landmark.id, {p_m.x(), p_m.y(), p_m.z()}});
+  }
 }
 
 void mark_invalid(Reason reason, Report& report) noexcept {
   report.valid = report.found = report.tracking = report.ambiguous = false;
   report.rival = {};
+  report.others.clear();
   report.quality = 0;
   report.landmarks_seen = report.landmarks_rejected = 0;
   report.reason = reason;
@@ -91,6 +106,7 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix, con
   } else {
     mark_invalid(fix.reason, report);
   }
+  fill_others(fix, report);
   if (!fix.landmarks.empty()) fill_rival(fix.main(), mounted_at(frame, context), report);
   if (fix.reason == Reason::kAmbiguous) {
     report.ambiguous = true;

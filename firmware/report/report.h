@@ -8,8 +8,11 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
+#include "base/aim_state.h"
+#include "base/inline_vector.h"
 #include "base/mono_time.h"
 #include "base/reason.h"
 #include "base/work_counts.h"
@@ -40,6 +43,13 @@ enum class OrderProgress : std::uint8_t {
   kFailed,   ///< the head fails, is inhibited, cannot go there, or did not arrive in time
 };
 
+/// A further landmark in the newest frame that may be acted on, beside the one that the pose is of.
+struct ReportSight {
+  std::uint16_t id = 0;
+  std::array<double, 3> landmark_camera_m{};  ///< the middle of its P9 [m], frame camera
+};
+inline constexpr std::size_t kMostReportSights = 15;
+
 /// The pan/tilt head's part.
 struct ReportHead {
   bool present = false;              ///< there is one
@@ -49,6 +59,7 @@ struct ReportHead {
   bool inhibited = false;            ///< the inhibit input keeps it where it is
   std::uint32_t order = 0;           ///< number of the order that it follows, see aim/aimer.h
   OrderProgress progress = OrderProgress::kNone;
+  AimState state = AimState::kNone;  ///< what it is doing
 
   bool operator==(const ReportHead&) const = default;
 };
@@ -88,6 +99,10 @@ struct Report {
   ReportPose camera_in_world;     ///< by the map; equals camera_in_landmark without one
   /// Row-major 6x6 of (position in S0 [m], rotation vector in the camera frame [rad]).
   std::array<double, 36> covariance{};
+  /// 1-sigma of the position, all axes together, by the camera's calibration alone [m]: part of `covariance`, and of
+  /// `covariance_world`. NaN: the calibration does not say how good it is.
+  double calibration_sigma_m = std::numeric_limits<double>::quiet_NaN();
+  double calibration_sigma_world_m = std::numeric_limits<double>::quiet_NaN();
   std::array<double, 36> covariance_world{};  ///< of camera_in_world, likewise [m^2, m rad, rad^2]
   ReportPose body_in_world;                   ///< as the head stood at the exposure; see geometry/body.h
   std::array<double, 36> covariance_body{};   ///< of body_in_world, likewise [m^2, m rad, rad^2]
@@ -104,6 +119,7 @@ struct Report {
   std::uint16_t last_rejected_id = 0xFFFF;  ///< in whichever frame; 0xFFFF: none since the start
 
   ReportRival rival;
+  InlineVector<ReportSight, kMostReportSights> others;  ///< of the newest frame, for the head to choose from
   ReportHead head;
 };
 static_assert(std::is_trivially_copyable_v<Report>);

@@ -3,14 +3,10 @@
 #include <filesystem>
 
 #include "base/startup_error.h"
-#include "calibrate/camera_file.h"
 #include "drivers/posix/text_file.h"
 
 namespace ninedot {
 namespace {
-
-/// Far beyond any configuration or calibration that a person writes: another file was named by mistake.
-constexpr std::size_t kMaxFile_bytes = std::size_t{1} << 20U;
 
 /// Paths in a configuration are relative to the file that they stand in, wherever the program was started.
 void make_absolute(std::string& path, const std::string& config_path) {
@@ -46,12 +42,16 @@ Config read_config(const std::string& path, ConfigProblems& problems) {
   if (config.camera.source == "recording") make_absolute(config.camera.device, path);
   make_absolute(config.camera.calibration, path);
   make_absolute(config.map, path);
+  for (std::string* named : {&config.tap.path, &config.web.token_file, &config.web.certificate, &config.web.key})
+    make_absolute(*named, path);
   if (!config.map.empty() && config.landmarks.empty()) read_map(config, problems);
   return config;
 }
 
-CameraModel read_camera_file(const std::string& path) {
-  return parse_camera(read_text_file(path, kMaxFile_bytes), path);
+CameraCalibration read_calibration_file(const std::string& path) {
+  return parse_calibration(read_text_file(path, kMaxFile_bytes), path);
 }
+
+CameraModel read_camera_file(const std::string& path) { return read_calibration_file(path).camera; }
 
 }  // namespace ninedot

@@ -1,16 +1,20 @@
 #pragma once
 /// The files that a program starts from.
+#include <cstddef>
 #include <string>
 
+#include "calibrate/camera_file.h"
 #include "config/config_checks.h"
-#include "geometry/camera_model.h"
 
 namespace ninedot {
 
+/// Far beyond any configuration or calibration that a person writes: another file was named by mistake.
+inline constexpr std::size_t kMaxFile_bytes = std::size_t{1} << 20U;
+
 /// Reads and checks a configuration file.
 /// Throws StartupError(kWrongUsage) with "FILE:LINE: what is wrong and what to write instead".
-/// A relative `calibration` or `map`, and a recording's relative `device`, come back as seen from the folder of the
-/// file; the landmarks of a `map` are read from there, and its mistakes are told with its name and line.
+/// Relative paths (`calibration`, `map`, a recording's `device`, those of [tap] and [web]) come back as seen from the
+/// folder of the file; the landmarks of a `map` are read from there, and its mistakes are told with its name and line.
 Config read_config(const std::string& path);
 
 /// The same, which tells all that is wrong, and where the keys stand. \param problems  as read_config_text
@@ -25,6 +29,9 @@ void refuse_first(const ConfigProblems& problems, const std::string& path);
 void read_map(Config& config, ConfigProblems& problems);
 
 /// Reads and checks a calibration. Throws StartupError(kWrongUsage), "FILE:LINE: what is wrong".
+CameraCalibration read_calibration_file(const std::string& path);
+
+/// The camera of it alone. Throws StartupError(kWrongUsage), "FILE:LINE: what is wrong".
 CameraModel read_camera_file(const std::string& path);
 
 }  // namespace ninedot

@@ -16,8 +16,9 @@ ModbusOptions modbus_options(const Config& config) {
   options.allow_writes = config.modbus.allow_writes;
   options.hold_time = std::chrono::milliseconds(config.modbus.hold_ms);
   if (config.pan_tilt.driver != "none")
-    options.supported_commands =
-        1U << static_cast<unsigned>(Command::kFollow) | 1U << static_cast<unsigned>(Command::kPoint);
+    options.supported_commands = 1U << static_cast<unsigned>(Command::kFollow) |
+                                 1U << static_cast<unsigned>(Command::kPoint) |
+                                 1U << static_cast<unsigned>(Command::kPark);
   if (config.modbus_tcp.enabled) {
     const auto idle_ms = static_cast<std::int64_t>(std::lround(config.modbus_tcp.idle_timeout_s * 1000));
     options.tcp = ModbusTcpOptions{config.modbus_tcp.listen, config.modbus_tcp.port,

@@ -2,24 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
-#include <string_view>
 
 #include "base/startup_error.h"
-#include "calibrate/camera_file.h"
 #include "drivers/camera/libcamera_device.h"
 #include "drivers/camera/reopening_source.h"
 #include "drivers/camera/v4l2_device.h"
 #include "drivers/recording/recording_source.h"
 #include "programs/assembly/input_files.h"
+#include "programs/assembly/simulation_options.h"
 
 namespace ninedot {
 namespace {
-
-constexpr std::array<std::string_view, 3> kSourcesOfThisBuild{"recording", "v4l2", "libcamera"};
 
 std::string describe_recording_failure(const FrameSource& frames) {
   return static_cast<const RecordingSource&>(frames).last_failure();
@@ -35,7 +30,7 @@ OpenedSource open_recording(const CameraConfig& config, FrameDemand demand) {
   }
   auto source = std::make_unique<RecordingSource>(config.device, options);
   const std::size_t frame_count = options.loop ? 0 : source->frame_count();
-  return {std::move(source), describe_recording_failure, {}, {}, frame_count};
+  return {std::move(source), describe_recording_failure, {}, {}, frame_count, nullptr};
 }
 
 PowerLine power_line_of(const std::string& name) {
@@ -45,9 +40,14 @@ PowerLine power_line_of(const std::string& name) {
   return name == "automatic" ? PowerLine::kAutomatic : PowerLine::kUnchanged;
 }
 
+Focus focus_of(const std::string& name) {
+  if (name == "fixed") return Focus::kFixed;
+  return name == "automatic" ? Focus::kAutomatic : Focus::kUnchanged;
+}
+
 std::chrono::nanoseconds from_us(double us) { return std::chrono::nanoseconds(std::llround(us * 1000)); }
 
-CameraRequest camera_request(const CameraConfig& config) {
+CameraRequest camera_request(const CameraConfig& config, const CalibrationRecord* calibration) {
   CameraRequest request;
   request.device = config.device;
   request.width_px = config.width_px;
@@ -59,6 +59,10 @@ CameraRequest camera_request(const CameraConfig& config) {
   request.lower_rate_in_the_dark = config.lower_rate_in_the_dark;
   request.power_line = power_line_of(config.power_line);
   request.readout = from_us(config.readout_us);
+  request.focus = focus_of(config.focus);
+  request.focus_position = config.focus_position;
+  request.is_calibrated = calibration != nullptr;
+  if (calibration != nullptr) request.calibrated_id = calibration->camera_id;
   return request;
 }
 
@@ -69,7 +73,19 @@ OpenedSource open_camera(std::unique_ptr<CameraDevice> device, const CameraConfi
   auto source = std::make_unique<ReopeningSource>(std::move(device), options);
   std::string refusal = source->last_refusal();
   std::string description = refusal.empty() ? source->description() : std::string();
-  return {std::move(source), nullptr, std::move(description), std::move(refusal), 0};
+  return {std::move(source), nullptr, std::move(description), std::move(refusal), 0, nullptr};
+}
+
+OpenedSource open_simulation(const Config& config, FrameDemand demand) {
+  constexpr std::uint64_t kSeed = 1;
+  SimulationOptions options = simulation_options(config, read_camera_calibration(config.camera).camera, kSeed);
+  options.loop = demand == FrameDemand::kNewest && config.camera.loop;
+  OpenedSource opened;
+  opened.head_line = std::make_shared<HeadLine>();
+  opened.frames = std::make_unique<SimulatedCamera>(options, opened.head_line, machine_clock());
+  opened.description =
+      fmt::format("simulated, {:.1f} s of a robot's way{}", options.duration_s, options.loop ? ", over and over" : "");
+  return opened;
 }
 
 }  // namespace
@@ -81,41 +97,62 @@ std::string calibration_file(const CameraConfig& config) {
                      "camera.calibration is missing: write the camera.yaml of this camera and lens");
 }
 
-CameraModel read_camera_calibration(const CameraConfig& config) {
+CameraCalibration read_camera_calibration(const CameraConfig& config) {
+  if (config.source == "simulated" && config.calibration.empty()) return {default_simulated_camera(config), {}};
   const std::string path = calibration_file(config);
   if (!std::filesystem::exists(path))
     throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}: no such calibration; set camera.calibration", path));
-  const CameraModel camera = read_camera_file(path);
+  const CameraCalibration calibration = read_calibration_file(path);
+  const CameraModel& camera = calibration.camera;
   if (camera.width_px != config.width_px || camera.height_px != config.height_px)
     throw StartupError(
         ExitStatus::kWrongUsage,
         fmt::format("{}: the calibration is for {} x {} px, but the camera gives {} x {}; calibrate this size, or set "
                     "camera.width_px and height_px",
                     path, camera.width_px, camera.height_px, config.width_px, config.height_px));
-  return camera;
+  return calibration;
 }
 
-void check_source(const CameraConfig& config) {
-  if (std::ranges::find(kSourcesOfThisBuild, config.source) == kSourcesOfThisBuild.end())
-    throw StartupError(ExitStatus::kWrongUsage, fmt::format("camera.source is '{}', but this build has only {}",
-                                                            config.source, fmt::join(kSourcesOfThisBuild, ", ")));
+CameraModel simulated_camera_model(const CameraConfig& config) {
+  return config.calibration.empty() ? default_simulated_camera(config) : read_camera_calibration(config).camera;
 }
 
 void check_device_named(const CameraConfig& config) {
-  if (!config.device.empty()) return;
+  if (!config.device.empty() || config.source == "simulated") return;
   throw StartupError(ExitStatus::kWrongUsage,
                      config.source == "recording"
                          ? "camera.device is missing: write the recording's folder or .y4m file into the configuration"
                          : "camera.device is missing: `ninedot cameras` lists what is there");
 }
 
-OpenedSource open_source(const CameraConfig& config, FrameDemand demand) {
-  check_source(config);
+void check_focus(const CameraConfig& config) {
+  if (config.focus_position < 0 || config.focus == "fixed") return;
+  throw StartupError(ExitStatus::kWrongUsage,
+                     fmt::format("camera.focus_position has no effect while camera.focus is \"{}\": write focus = "
+                                 "\"fixed\", or remove it",
+                                 config.focus));
+}
+
+OpenedSource open_source(const Config& configuration, FrameDemand demand, const CalibrationRecord* calibration) {
+  const CameraConfig& config = configuration.camera;
   check_device_named(config);
+  check_focus(config);
+  if (config.source == "simulated") return open_simulation(configuration, demand);
   if (config.source == "recording") return open_recording(config, demand);
   if (config.source == "libcamera")
-    return open_camera(std::make_unique<LibcameraDevice>(camera_request(config)), config, demand);
-  return open_camera(std::make_unique<V4l2Device>(camera_request(config)), config, demand);
+    return open_camera(std::make_unique<LibcameraDevice>(camera_request(config, calibration)), config, demand);
+  return open_camera(std::make_unique<V4l2Device>(camera_request(config, calibration)), config, demand);
+}
+
+OpenedSource open_calibrated_source(const Config& config, FrameDemand demand, CameraCalibration& calibration) {
+  if (config.camera.source == "recording") {
+    OpenedSource source = open_source(config, demand, nullptr);
+    calibration = read_camera_calibration(config.camera);
+    return source;
+  }
+  check_device_named(config.camera);
+  calibration = read_camera_calibration(config.camera);
+  return open_source(config, demand, &calibration.record);
 }
 
 }  // namespace ninedot

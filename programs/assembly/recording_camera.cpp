@@ -8,13 +8,17 @@
 
 namespace ninedot {
 
-CameraModel recording_camera(const std::string& recording, const std::string& file, const Config& config) {
-  if (!file.empty()) return read_camera_file(file);
+CameraCalibration recording_calibration(const std::string& recording, const std::string& file, const Config& config) {
+  if (!file.empty()) return read_calibration_file(file);
   const std::string own = recording_camera_file(recording);
-  if (access(own.c_str(), F_OK) == 0) return read_camera_file(own);
-  if (!config.camera.calibration.empty()) return read_camera_file(config.camera.calibration);
+  if (access(own.c_str(), F_OK) == 0) return read_calibration_file(own);
+  if (!config.camera.calibration.empty()) return read_calibration_file(config.camera.calibration);
   throw StartupError(ExitStatus::kWrongUsage,
                      fmt::format("{}: no calibration there: give one with --camera FILE", own));
+}
+
+CameraModel recording_camera(const std::string& recording, const std::string& file, const Config& config) {
+  return recording_calibration(recording, file, config).camera;
 }
 
 void check_picture_size(const RecordingSource& source, const CameraModel& camera, const std::string& recording) {

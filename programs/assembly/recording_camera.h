@@ -2,14 +2,17 @@
 /// Which calibration a recording's pictures are read with.
 #include <string>
 
+#include "calibrate/camera_file.h"
 #include "config/config.h"
 #include "drivers/recording/recording_source.h"
-#include "geometry/camera_model.h"
 
 namespace ninedot {
 
 /// \param file  what the command line names; empty: the recording's own camera.yaml, else the configuration's
 /// Throws StartupError(kWrongUsage): there is none, or it is damaged.
+CameraCalibration recording_calibration(const std::string& recording, const std::string& file, const Config& config);
+
+/// The camera of it alone.
 CameraModel recording_camera(const std::string& recording, const std::string& file, const Config& config);
 
 /// Throws StartupError(kWrongUsage): the calibration is for pictures of another size.

@@ -115,8 +115,8 @@ void check_modbus_tcp(const ModbusTcpConfig& tcp, Findings& findings) {
 
 /// \param camera  nothing where no calibration was read
 void print_summary(const Config& config, const std::optional<CameraModel>& camera) {
-  fmt::print("  camera    {} {}, {}x{} px, {} Hz{}\n", config.camera.source, config.camera.device,
-             config.camera.width_px, config.camera.height_px, config.camera.rate_hz,
+  fmt::print("  camera    {}{}{}, {}x{} px, {} Hz{}\n", config.camera.source, config.camera.device.empty() ? "" : " ",
+             config.camera.device, config.camera.width_px, config.camera.height_px, config.camera.rate_hz,
              camera ? fmt::format(", f = {:.1f} px", camera->fx_px) : "");
   fmt::print("  landmark  ring radius {} mm, dots {} mm, centre dot {} mm\n", config.landmark.ring_radius_mm,
              config.landmark.dot_diameter_mm, config.landmark.centre_diameter_mm);
@@ -139,14 +139,18 @@ void check_devices(const Config& config, const ConfigProblems& problems, std::op
   if (config.modbus_tcp.enabled && !problems.is_in("modbus")) check_modbus_tcp(config.modbus_tcp, findings);
   if (config.modbus_rtu.enabled)
     findings.attempt("modbus.rtu.device", [&] { check_rtu_line(modbus_options(config).rtu.value()); });
-  bool has_recording = config.camera.source != "recording";
-  findings.attempt("camera.device", [&] {
-    open_source(config.camera, FrameDemand::kEveryFrame);
-    has_recording = true;
-  });
   // A recording that is not there has no calibration either; that is no second mistake.
-  if (has_recording || !config.camera.calibration.empty())
-    findings.attempt("camera.calibration", [&] { camera = read_camera_calibration(config.camera); });
+  const bool is_recording = config.camera.source == "recording";
+  std::optional<CameraCalibration> calibration;
+  const auto read = [&] { calibration = read_camera_calibration(config.camera); };
+  if (!is_recording || !config.camera.calibration.empty()) findings.attempt("camera.calibration", read);
+  bool is_opened = false;
+  findings.attempt("camera.device", [&] {
+    open_source(config, FrameDemand::kEveryFrame, calibration ? &calibration->record : nullptr);
+    is_opened = true;
+  });
+  if (is_recording && is_opened && config.camera.calibration.empty()) findings.attempt("camera.calibration", read);
+  if (calibration) camera = calibration->camera;
   check_head(config, [&](const char* key, const std::function<void()>& step) { findings.attempt(key, step); });
 }
 
@@ -154,7 +158,8 @@ void check_devices(const Config& config, const ConfigProblems& problems, std::op
 void check_camera_keys(const CameraConfig& camera, Findings& findings) {
   findings.attempt("camera.device", [&] { check_device_named(camera); });
   // Without a recording there is no calibration of its own either; that is no second mistake.
-  if (camera.source != "recording") findings.attempt("camera.calibration", [&] { calibration_file(camera); });
+  if (camera.source != "recording" && camera.source != "simulated")
+    findings.attempt("camera.calibration", [&] { calibration_file(camera); });
 }
 
 void run_check(const std::string& path, bool file_only) {
@@ -162,16 +167,11 @@ void run_check(const std::string& path, bool file_only) {
   const Config config = read_config(path, problems);
   Findings findings(path, problems);
   std::optional<CameraModel> camera;
-  bool is_source_known = false;
-  findings.attempt("camera.source", [&] {
-    check_source(config.camera);
-    is_source_known = true;
-  });
   if (problems.can_be_read) findings.attempt("landmarks", [&] { static_cast<void>(localiser_options(config)); });
   if (!config.camera.wait_for_device)
     findings.note("camera.wait_for_device", "without effect: the service always waits for its camera; remove it");
   // What could not be read says nothing of devices.
-  if (is_source_known && problems.can_be_read) {
+  if (problems.can_be_read && !problems.is_in("camera")) {
     if (file_only)
       check_camera_keys(config.camera, findings);
     else

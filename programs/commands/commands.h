@@ -15,5 +15,8 @@ void add_registers_command(CLI::App& app);
 void add_status_command(CLI::App& app);
 void add_aim_command(CLI::App& app);
 void add_map_command(CLI::App& app);
+void add_tap_command(CLI::App& app);
+void add_simulate_command(CLI::App& app);
+void add_calibrate_command(CLI::App& app);
 
 }  // namespace ninedot

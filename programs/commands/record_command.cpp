@@ -7,12 +7,13 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "base/startup_error.h"
-#include "calibrate/camera_file.h"
 #include "config/config.h"
 #include "drivers/posix/signals.h"
+#include "drivers/posix/text_file.h"
 #include "drivers/recording/recording_index.h"
 #include "drivers/recording/recording_writer.h"
 #include "programs/assembly/input_files.h"
@@ -33,13 +34,17 @@ struct RecordArguments {
   bool grey = false;
 };
 
-/// The calibration to record beside the pictures: empty where the camera has none yet (one records in order to
-/// calibrate).
-std::string calibration_text(const CameraConfig& config) {
+/// The calibration to record beside the pictures, as its file has it, with all that it says of itself: empty where the
+/// camera has none yet (one records in order to calibrate). \param record  out: of it, where there is one
+std::string calibration_text(const CameraConfig& config, std::optional<CalibrationRecord>& record) {
   const bool has_own =
-      config.source == "recording" && ::access(recording_camera_file(config.device).c_str(), F_OK) == 0;
+      config.source == "simulated" ||
+      (config.source == "recording" && ::access(recording_camera_file(config.device).c_str(), F_OK) == 0);
   if (config.calibration.empty() && !has_own) return {};
-  return format_camera(read_camera_calibration(config), "recorded");
+  const CameraCalibration calibration = read_camera_calibration(config);
+  record = calibration.record;
+  if (config.calibration.empty() && config.source == "simulated") return format_camera(calibration.camera, "simulated");
+  return read_text_file(calibration_file(config), kMaxFile_bytes);
 }
 
 void show_progress(const RecordArguments& arguments, std::uint64_t count) {
@@ -62,8 +67,9 @@ void check_failure(const OpenedSource& source, const Error& error, MonoTime last
 void run_record(const RecordArguments& arguments) {
   const Config config = read_config(arguments.config);
   const TerminationSignals signals;  // before the first thread
-  const std::string calibration = calibration_text(config.camera);
-  OpenedSource source = open_source(config.camera, FrameDemand::kEveryFrame);
+  std::optional<CalibrationRecord> record;
+  const std::string calibration = calibration_text(config.camera, record);
+  OpenedSource source = open_source(config, FrameDemand::kEveryFrame, record ? &*record : nullptr);
   RecordingWriter writer(arguments.out, calibration);
 
   std::uint64_t lost = 0;

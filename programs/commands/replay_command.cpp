@@ -133,9 +133,11 @@ void run_replay(const ReplayArguments& arguments) {
   RecordingOptions recording_options;
   recording_options.pace = arguments.realtime ? RecordingPace::kRealTime : RecordingPace::kEveryFrame;
   RecordingSource source(arguments.recording, recording_options);
-  const CameraModel camera = recording_camera(arguments.recording, arguments.camera, config);
+  const CameraCalibration calibration = recording_calibration(arguments.recording, arguments.camera, config);
+  const CameraModel& camera = calibration.camera;
   check_picture_size(source, camera, arguments.recording);
-  const LocaliserOptions options = localiser_options(config);
+  LocaliserOptions options = localiser_options(config);
+  options.intrinsics = calibration.record.covariance;
   const auto localiser = make_localiser(camera, options);
   const RecordedTimes times(arguments.recording, arguments.realtime);
   OverlayWriter overlay(arguments.overlay_folder, camera, options.seeker.landmark);

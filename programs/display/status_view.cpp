@@ -8,6 +8,7 @@
 #include <iterator>
 #include <limits>
 
+#include "base/aim_state.h"
 #include "base/reason.h"
 
 namespace ninedot {
@@ -187,6 +188,12 @@ std::string status_line(const RegisterReader& r) {
   return fmt::to_string(text);
 }
 
+/// A newer service may have more of them than this program knows.
+std::string head_state_name(const RegisterReader& r) {
+  const std::uint32_t code = r.integer(reg::kHeadState);
+  return code < kAimStateCount ? std::string(kAimStates[code].name) : fmt::format("state {}", code);
+}
+
 std::string status_table(const RegisterReader& r) {
   Text text;
   add(text, "pose       {} (landmark {}, quality {}/1000, age {})\n", state_text(r), landmark_text(r),
@@ -194,6 +201,9 @@ std::string status_table(const RegisterReader& r) {
   add(text, "                     x           y           z\n");
   add(text, "position  {} mm\n", triple(r, reg::kX32, 2, 3));
   add(text, "  1-sigma {} mm\n", triple(r, reg::kSigmaX, 1, 2));
+  // Only where the calibration says how good it is.
+  if (const double sigma_mm = known_value(r, reg::kSigmaCalibration); std::isfinite(sigma_mm))
+    add(text, "  of these{:>12} mm are the calibration's, all axes together\n", number(sigma_mm, 2));
   add(text, "rotation  {} deg (rotation vector, {})\n", triple(r, reg::kRotationX32, 2, 3), turn_of(r));
   add(text, "  1-sigma {} deg\n", triple(r, reg::kSigmaRotationX, 1, 3));
   // Of a camera, whose z looks forward, they are no angles that a person reads.
@@ -216,8 +226,9 @@ std::string status_table(const RegisterReader& r) {
                           r.integer(reg::kLastRejectedId))
             : "");
   if (r.status(status_bit::kHasHead))
-    add(text, "head       pan {} deg, tilt {} deg{}{}{}\n", number(known_value(r, reg::kPan), 2),
-        number(known_value(r, reg::kTilt), 2), r.status(status_bit::kServoLimit) ? ", at its LIMIT" : "",
+    add(text, "head       {}, pan {} deg, tilt {} deg{}{}{}\n", head_state_name(r),
+        number(known_value(r, reg::kPan), 2), number(known_value(r, reg::kTilt), 2),
+        r.status(status_bit::kServoLimit) ? ", at its LIMIT" : "",
         r.status(status_bit::kInhibited) ? ", INHIBITED" : "",
         r.status(status_bit::kServoFault) ? ", does NOT ANSWER" : "");
   add_metric_rows(text, r);
@@ -226,7 +237,8 @@ std::string status_table(const RegisterReader& r) {
 
 std::string status_json(const RegisterReader& r) {
   Text text;
-  add(text, "{{\"reason_text\":\"{}\"", reason_sentence(r.integer(reg::kReason)));
+  add(text, "{{\"reason_text\":\"{}\",\"head_state_text\":\"{}\"", reason_sentence(r.integer(reg::kReason)),
+      head_state_name(r));
   for (const RegisterEntry& entry : kRegisterMap) {
     if (entry.scale_is_configured) continue;  // a client does not know the scale; the 32-bit values say the same
     add(text, ",\"{}\":", entry.name);

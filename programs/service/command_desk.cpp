@@ -7,7 +7,10 @@ namespace ninedot {
 AimOrder CommandDesk::accept(const ClientCommand& command) noexcept {
   if (++number_ == 0) number_ = 1;  // 0: no order
   under_way_ = command.from_watchdog ? std::nullopt : std::optional(command.sequence);
-  return {command.command == Command::kFollow, {command.pan_rad, command.tilt_rad}, number_};
+  return {command.command == Command::kFollow,
+          {command.pan_rad, command.tilt_rad},
+          number_,
+          command.command == Command::kPark};
 }
 
 std::optional<EndedCommand> CommandDesk::end_for_watchdog(const ClientCommand& command) noexcept {

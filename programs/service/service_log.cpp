@@ -23,6 +23,7 @@ bool comes_from_the_source(Reason reason) noexcept {
 }  // namespace
 
 void ServiceLog::write(const std::string& line) {
+  if (listener_ != nullptr) listener_->on_line(line, mono_now());
   if (display_ != nullptr) display_->make_room();
   // A log that nobody takes is no reason to stop, or to wait: the line is lost, and the registers say what is.
   static_cast<void>(print_patiently(STDERR_FILENO, fmt::format("ninedotd: {}\n", line), kPatience));

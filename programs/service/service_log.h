@@ -11,6 +11,13 @@ namespace ninedot {
 
 class LiveDisplay;
 
+/// Hears each line that is written.
+class LogListener {
+ public:
+  virtual ~LogListener() = default;
+  virtual void on_line(const std::string& line, MonoTime now) noexcept = 0;
+};
+
 /// Threads: one caller.
 class ServiceLog {
  public:
@@ -19,6 +26,9 @@ class ServiceLog {
 
   /// One line to standard error: "ninedotd: LINE".
   void write(const std::string& line);
+
+  /// \param listener  hears the lines that follow; must outlive this log, or be taken away (null)
+  void tell(LogListener* listener) noexcept { listener_ = listener; }
 
   /// Says at the start why there is no camera yet; note() does not say so again.
   void note_camera_absent(const std::string& refusal);
@@ -41,6 +51,7 @@ class ServiceLog {
   static constexpr std::chrono::milliseconds kSettle{500};
   static constexpr std::chrono::minutes kSeriesPeriod{1};
   LiveDisplay* display_;
+  LogListener* listener_ = nullptr;
   Reason said_ = Reason::kStarting;
   Reason seen_ = Reason::kStarting;
   MonoTime seen_since_{};

@@ -31,11 +31,15 @@ std::vector<std::string> errors_of(const std::string& text) {
 
 std::string header_of(const ConfigKey& key) {
   if (key.table.empty()) return "";
-  return key.table == "landmarks" ? "[[landmarks]]\n" : fmt::format("[{}]\n", key.table);
+  const bool is_list = key.table == "landmarks" || key.table == "simulation.robot" || key.table == "simulation.hidden";
+  return is_list ? fmt::format("[[{}]]\n", key.table) : fmt::format("[{}]\n", key.table);
 }
 
 /// What a table needs beside the key that is tried.
 std::string company_of(const ConfigKey& key) {
+  if (key.table == "simulation.robot" && key.name != "t_s") return "t_s = 0\n";
+  if (key.name == "from_s") return "to_s = 86400\n";
+  if (key.name == "to_s") return "from_s = 0\n";
   if (key.table != "landmarks" || key.name == "id") return "";
   return key.name == "position_mm" ? "id = 1\n" : "id = 1\nposition_mm = [0, 0, 0]\n";
 }
@@ -43,6 +47,8 @@ std::string company_of(const ConfigKey& key) {
 bool is_single_number(const ConfigKey& key) {
   Config config;
   config.landmarks.emplace_back();
+  config.simulation.robot.emplace_back();
+  config.simulation.hidden.emplace_back();
   return key.min < key.max &&
          std::visit([](auto slot) { return std::is_arithmetic_v<std::remove_pointer_t<decltype(slot)>>; },
                     key.slot(config));
@@ -158,6 +164,34 @@ TEST(Config, RefusesAHeadWithoutTheNamesOfItsDevices) {
   EXPECT_EQ(error_of("[pan_tilt]\ndriver = \"visca\""), "t.toml:1: 'device' is empty; write the camera's serial port");
 }
 
+TEST(Config, RefusesAddressesRatesAndNumbersThatAHeadCannotHave) {
+  const auto error_with = [](const std::string& driver, const std::string& rest) {
+    return error_of("[pan_tilt]\ndriver = \"" + driver + "\"\n" + rest);
+  };
+  EXPECT_EQ(error_with("pca9685", ""), "t.toml:1: 'device' is empty; write the I2C bus, like /dev/i2c-1");
+  EXPECT_EQ(error_with("pca9685", "device = \"/dev/i2c-1\"\naddress = 0x40\n"), "no error");
+  EXPECT_EQ(error_with("pca9685", "device = \"/dev/i2c-1\"\n"), "no error");
+  EXPECT_EQ(error_with("pca9685", "device = \"/dev/i2c-1\"\naddress = 0x3F\n"),
+            "t.toml:4: 'address' is 63; write 0x40 to 0x77");
+  EXPECT_EQ(error_with("pca9685", "device = \"/dev/i2c-1\"\n[pan_tilt.pan]\nchannel = 16\n"),
+            "t.toml:5: 'channel' is 16; write 0 to 15");
+  EXPECT_EQ(
+      error_with("pca9685", "device = \"/dev/i2c-1\"\n[pan_tilt.pan]\nchannel = 1\n"),
+      "t.toml:1: pan_tilt.tilt.channel and pan_tilt.pan.channel are both 'channel 1'; a device serves one of them");
+  EXPECT_EQ(error_with("pca9685", "device = \"/dev/i2c-1\"\noutput_enable = \"a\"\n[gpio]\nservo_power = \"a\"\n"),
+            "t.toml:4: pan_tilt.output_enable and gpio.servo_power are both 'a'; a device serves one of them");
+  EXPECT_EQ(error_with("visca", "device = \"/dev/ttyUSB0\"\naddress = 8\n"), "t.toml:4: 'address' is 8; write 1 to 7");
+  for (const char* maker : {"dynamixel", "feetech-sts", "feetech-scs"}) {
+    EXPECT_EQ(error_with(maker, ""), "t.toml:1: 'device' is empty; write the servos' serial port");
+    EXPECT_EQ(error_with(maker, "device = \"/dev/ttyUSB0\"\nbaud = 1000000\n"), "no error");
+    EXPECT_EQ(error_with(maker, "device = \"/dev/ttyUSB0\"\nbaud = 1200\n").substr(0, 50),
+              "t.toml:4: 'baud' is 1200; write one of 9600, 19200");
+    EXPECT_EQ(error_with(maker, "device = \"/dev/ttyUSB0\"\n[pan_tilt.tilt]\nid = 1\n"),
+              "t.toml:5: pan_tilt.tilt.id and pan_tilt.pan.id are both 'servo 1'; a device serves one of them");
+    EXPECT_EQ(error_with(maker, "device = \"/dev/ttyS1\"\n[modbus.rtu]\n").substr(0, 9), "t.toml:4:");
+  }
+}
+
 TEST(Config, RefusesADeviceThatTwoKeysName) {
   EXPECT_EQ(error_of("[pan_tilt]\ndriver = \"visca\"\ndevice = \"/dev/ttyUSB0\"\n[modbus.rtu]\ndevice = "
                      "\"/dev//ttyUSB0\""),
@@ -215,7 +249,8 @@ TEST(Config, NamesTheLineAndWhatToWriteInstead) {
   EXPECT_EQ(error_of("[camera]\nrate = 30"), "t.toml:2: unknown key 'rate' in [camera]; did you mean 'rate_hz'?");
   EXPECT_EQ(error_of("[camera]\n\nwidht_px = 30"),
             "t.toml:3: unknown key 'widht_px' in [camera]; did you mean 'width_px'?");
-  EXPECT_EQ(error_of("[camera]\nbaud = 9600"), "t.toml:2: unknown key 'baud' in [camera]; it belongs to [modbus.rtu]");
+  EXPECT_EQ(error_of("[camera]\nparity = \"E\""),
+            "t.toml:2: unknown key 'parity' in [camera]; it belongs to [modbus.rtu]");
   EXPECT_EQ(error_of("[camera]\nxyzzy = 9600"), "t.toml:2: unknown key 'xyzzy' in [camera]");
   EXPECT_EQ(error_of("[camrea]\nrate_hz = 30"), "t.toml:1: unknown table 'camrea'; did you mean 'camera'?");
   EXPECT_EQ(error_of("rate_hz = 30"), "t.toml:1: unknown key 'rate_hz'; it belongs to [camera]");

@@ -74,9 +74,9 @@ TEST_F(ModbusRequest, AWindowShowsTheSameRegistersAsTheWholeMap) {
 }
 
 TEST_F(ModbusRequest, AddressesBeyondTheMapAreException02) {
-  EXPECT_EQ(ask(read_pdu(146, 1)), exception(3, ModbusException::kIllegalAddress));
-  EXPECT_EQ(ask(read_pdu(145, 2)), exception(3, ModbusException::kIllegalAddress));
-  EXPECT_EQ(ask(read_pdu(22, 125, 4)), exception(4, ModbusException::kIllegalAddress));
+  EXPECT_EQ(ask(read_pdu(148, 1)), exception(3, ModbusException::kIllegalAddress));
+  EXPECT_EQ(ask(read_pdu(147, 2)), exception(3, ModbusException::kIllegalAddress));
+  EXPECT_EQ(ask(read_pdu(24, 125, 4)), exception(4, ModbusException::kIllegalAddress));
   EXPECT_EQ(ask(read_pdu(65535, 125)), exception(3, ModbusException::kIllegalAddress)) << "the end must not wrap";
 }
 
@@ -90,6 +90,7 @@ TEST_F(ModbusRequest, WrongQuantitiesAndLengthsAreException03) {
   EXPECT_EQ(ask({6, 0, 100, 0}), exception(6, ModbusException::kIllegalValue));
   EXPECT_EQ(ask({16, 0, 100, 0, 1, 2, 0}), exception(16, ModbusException::kIllegalValue)) << "a byte is missing";
   EXPECT_EQ(ask({16, 0, 100, 0, 2, 2, 0, 0}), exception(16, ModbusException::kIllegalValue)) << "counts disagree";
+  EXPECT_EQ(ask({16, 0, 105, 0, 1, 4, 0, 0}), exception(16, ModbusException::kIllegalValue)) << "bytes are miscounted";
   EXPECT_EQ(ask({16, 0, 100, 0, 0, 0}), exception(16, ModbusException::kIllegalValue));
   EXPECT_EQ(ask({16, 0, 100, 0x7F, 0xFF, 0xFE, 0, 0}), exception(16, ModbusException::kIllegalValue));
 }

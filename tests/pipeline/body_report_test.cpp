@@ -8,6 +8,7 @@
 #include "base/units.h"
 #include "outputs/wire_output.h"
 #include "pipeline/next_report.h"
+#include "tests/geometry/askew_body.h"
 
 namespace ninedot {
 namespace {
@@ -20,11 +21,7 @@ constexpr double kDeg = kRadPerDeg;
 constexpr MonoTime kExposedAt{100s};
 
 BodyGeometry mast() {
-  BodyGeometry body;
-  body.pan_axis_m = {0.2, -0.05, 0.9};
-  body.mount_rpy_rad = Vector3d(1.5, -2, 30) * kDeg;
-  body.tilt_axis_m = {0.01, 0.002, 0.06};
-  body.camera_m = {0.03, -0.004, 0.02};
+  BodyGeometry body = test::askew_body();
   body.pan_sigma_rad = 0.4 * kDeg;
   body.tilt_sigma_rad = 0.3 * kDeg;
   return body;
@@ -49,13 +46,16 @@ Place place_by_hand(const HeadAngles& head, const Errors& errors) {
   const BodyGeometry body = mast();
   const auto about = [](double rad, const Vector3d& axis) { return Eigen::Affine3d(AngleAxisd(rad, axis)); };
   const auto by = [](const Vector3d& m) { return Eigen::Affine3d(Eigen::Translation3d(m)); };
+  const auto turned = [&](const Vector3d& rpy_rad) {
+    return about(rpy_rad.z(), Vector3d::UnitZ()) * about(rpy_rad.y(), Vector3d::UnitY()) *
+           about(rpy_rad.x(), Vector3d::UnitX());
+  };
   Eigen::Affine3d optical = Eigen::Affine3d::Identity();
   optical.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  const Eigen::Affine3d body_camera =
-      by(body.pan_axis_m) * about(body.mount_rpy_rad.z(), Vector3d::UnitZ()) *
-      about(body.mount_rpy_rad.y(), Vector3d::UnitY()) * about(body.mount_rpy_rad.x(), Vector3d::UnitX()) *
-      about(head.pan_rad + errors(6), Vector3d::UnitZ()) * by(body.tilt_axis_m) *
-      about(-head.tilt_rad - errors(7), Vector3d::UnitY()) * by(body.camera_m) * optical;
+  const Eigen::Affine3d body_camera = by(body.pan_axis_m) * turned(body.mount_rpy_rad) *
+                                      about(head.pan_rad + errors(6), Vector3d::UnitZ()) * by(body.tilt_axis_m) *
+                                      about(-head.tilt_rad - errors(7), Vector3d::UnitY()) * by(body.camera_m) *
+                                      turned(body.camera_rpy_rad) * optical;
   Eigen::Affine3d world_camera = Eigen::Affine3d::Identity();
   world_camera.linear() = camera_in_world().rotation;
   world_camera.translation() = camera_in_world().translation_m + errors.head<3>();
@@ -146,6 +146,24 @@ TEST(BodyReport, TakesTheRecordedAnglesWhereThereIsNoHead) {
   const Place place = place_by_hand(kThen, Errors::Zero());
   for (std::size_t i = 0; i < 3; ++i)
     EXPECT_NEAR(report.body_in_world.position_m[i], place(static_cast<Eigen::Index>(i)), 1e-12);
+}
+
+/// The head may follow another landmark than the one whose pose is reported.
+TEST(BodyReport, NamesTheOtherLandmarksOfTheFrameThatMayBeActedOn) {
+  Fix fix = valid_fix();
+  LandmarkFix other = fix.landmarks[0];
+  other.id = 6;
+  other.candidates.list[0].pose.T_landmark_camera = {Eigen::Matrix3d::Identity(), {0.5, 3, -0.25}};
+  ASSERT_TRUE(fix.landmarks.try_push_back(other));
+  other.id = 7;
+  other.verdict = Reason::kUncertain;
+  ASSERT_TRUE(fix.landmarks.try_push_back(other));
+  const Report report = next_report({}, exposed_frame(), fix, {.now = kExposedAt});
+  EXPECT_EQ(report.landmark_id, 5);
+  ASSERT_EQ(report.others.size(), 1U);
+  EXPECT_EQ(report.others[0].id, 6);
+  EXPECT_EQ(report.others[0].landmark_camera_m, (std::array<double, 3>{-0.5, -3, 0.25}));
+  EXPECT_TRUE(next_report(report, exposed_frame(), Fix{}, {.now = kExposedAt}).others.empty());
 }
 
 /// A head that moves on while nothing is found does not move the robot.

@@ -120,6 +120,57 @@ TEST(FrameLoop, PublishesEveryFrameWithItsLatencyAndGivesTheBufferBack) {
   EXPECT_EQ(bench.loop.frames_processed(), 1U);
 }
 
+/// Writes down what the world was like when it was shown a frame.
+class Onlooker final : public FrameObserver {
+ public:
+  Onlooker(const Mailbox<Report>& reports, const ScriptedSource& source) : reports_(reports), source_(source) {}
+  void observe(const Frame& frame, const Fix& fix, const LandmarkObservation*, const Report& report) noexcept override {
+    seen.push_back({frame.number, fix.found, report.frame_number == reports_.read().frame_number, source_.lent});
+  }
+  struct Sight {
+    std::uint64_t number;
+    bool found, is_published;
+    int lent;
+  };
+  std::vector<Sight> seen;
+
+ private:
+  const Mailbox<Report>& reports_;
+  const ScriptedSource& source_;
+};
+
+TEST(FrameLoop, ShowsEachFrameOnceItsReportIsOutAndBeforeItsBufferGoesBack) {
+  ScriptedSource source({{.frame_number = 4}, {.failure = Errc::kFrameUnreadable}, {.frame_number = 5}});
+  EvenFramesAreFound processor;
+  Mailbox<Report> reports;
+  Mailbox<Health> health;
+  Onlooker onlooker(reports, source);
+  FrameLoopOptions options;
+  options.observer = &onlooker;
+  FrameLoop loop(source, processor, reports, health, options);
+  for (int i = 0; i < 3; ++i) loop.step();
+  ASSERT_EQ(onlooker.seen.size(), 2U) << "a frame that failed is none";
+  EXPECT_EQ(onlooker.seen[0].number, 4U);
+  EXPECT_TRUE(onlooker.seen[0].found && onlooker.seen[0].is_published && onlooker.seen[1].is_published);
+  EXPECT_EQ(onlooker.seen[0].lent, 1);
+  EXPECT_FALSE(onlooker.seen[1].found);
+  EXPECT_EQ(source.lent, 0);
+}
+
+TEST(FrameLoop, ThePoseSequenceCountsFramesWithAValidPoseAlone) {
+  Bench bench({{.frame_number = 2},
+               {.frame_number = 3},
+               {.failure = Errc::kCameraLost},
+               {.frame_number = 4},
+               {.frame_number = 6}});
+  std::vector<std::uint32_t> sequences;
+  for (int i = 0; i < 5; ++i) {
+    bench.loop.step();
+    sequences.push_back(bench.reports.read().pose_sequence);
+  }
+  EXPECT_EQ(sequences, (std::vector<std::uint32_t>{1, 1, 1, 2, 3}));
+}
+
 TEST(FrameLoop, AStalePoseKeepsItsValuesAndItsTimeButIsNotValid) {
   Bench bench({{.frame_number = 2}, {.frame_number = 3}});
   bench.loop.step();
@@ -317,7 +368,9 @@ TEST(FrameLoop, StampsReportsWithWhereTheHeadStoodWhenTheFrameWasExposed) {
   HeadSnapshot snapshot;
   snapshot.track = HeadTrack({0.1, 0});
   snapshot.track.add(mono_now() - 1s, {0.2, 0});
-  snapshot.track.add(mono_now() + 1s, {0.3, 0});  // after any exposure of this test
+  snapshot.track.add(mono_now() + 1h, {0.2, 0});
+  snapshot.track.add(mono_now() + 2h, {0.3, 0});  // after any exposure of this test
+  snapshot.state = AimState::kTrack;
   snapshot.order = 7;
   snapshot.progress = OrderProgress::kRunning;
   head.put(snapshot);
@@ -326,6 +379,7 @@ TEST(FrameLoop, StampsReportsWithWhereTheHeadStoodWhenTheFrameWasExposed) {
   EXPECT_TRUE(bench.reports.read().head.present);
   EXPECT_EQ(bench.reports.read().head.pan_rad, 0.2);
   EXPECT_EQ(bench.reports.read().head.order, 7U);
+  EXPECT_EQ(bench.reports.read().head.state, AimState::kTrack);
   bench.loop.step();
   ASSERT_FALSE(bench.reports.read().valid);
   EXPECT_EQ(bench.reports.read().head.pan_rad, 0.3) << "without a pose: where it stands now";

@@ -53,6 +53,22 @@ TEST(LatencyHistogram, QuantilesNeverFallAsTheFractionRises) {
   }
 }
 
+TEST(LatencyHistogram, AQuantileIsTheSmallestValueThatAtLeastSoManyReach) {
+  LatencyHistogram histogram;
+  for (const auto value : {10us, 20us, 30us, 40us, 50us}) histogram.add(value);
+  EXPECT_EQ(histogram.quantile(0.5), 31us) << "two of five are less than half of them";
+  EXPECT_EQ(histogram.quantile(0.61), 41us);
+  EXPECT_EQ(histogram.quantile(0.2), 11us);
+}
+
+TEST(LatencyHistogram, NoQuantileIsAboveTheLargestValue) {
+  for (const auto largest : {700us, 5001us, 123456us}) {
+    LatencyHistogram histogram;
+    histogram.add(largest);
+    EXPECT_EQ(histogram.quantile(1.0), largest) << "not its bucket's edge";
+  }
+}
+
 TEST(LatencyHistogram, IsExactToTheMicrosecondBelow64) {
   for (std::int64_t us = 0; us < 64; ++us) {
     LatencyHistogram histogram;

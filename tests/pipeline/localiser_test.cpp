@@ -249,8 +249,9 @@ INSTANTIATE_TEST_SUITE_P(Localiser, LocaliserWithEachSolver, testing::Values(Sol
 TEST(CovarianceInWorld, OfThePositionTurnsWithTheMapAndOfTheRotationStaysTheCameras) {
   PoseEstimate pose = plausible_pose();
   pose.covariance.diagonal() << 1e-6, 4e-6, 9e-6, 1e-8, 4e-8, 9e-8;
-  const PoseInformation at_home = covariance_in_world(pose, {});
-  const auto turned = covariance_in_world(pose, place_upright(Eigen::Vector3d::Zero(), std::numbers::pi / 2));
+  const PoseInformation at_home = covariance_in_world(pose.covariance, {});
+  const auto turned =
+      covariance_in_world(pose.covariance, place_upright(Eigen::Vector3d::Zero(), std::numbers::pi / 2));
   EXPECT_TRUE(at_home.isApprox(pose.covariance, 1e-12));
   EXPECT_NEAR(turned(0, 0), 4e-6, 1e-15);
   EXPECT_NEAR(turned(1, 1), 1e-6, 1e-15);

@@ -130,5 +130,22 @@ TEST_F(WholeFile, OutputSaysInOneLineWhatIsInTheWay) {
   }
 }
 
+TEST(ReadWholeFile, TellsAFileThatFitsExactlyFromOneThatIsTooLong) {
+  const std::string path = (fs::temp_directory_path() / ("ninedot-read-" + std::to_string(::getpid()))).string();
+  std::ofstream(path) << "seventeen letters";
+  std::vector<std::uint8_t> buffer(17);
+  const auto fits = read_whole_file(path.c_str(), buffer);
+  ASSERT_TRUE(fits);
+  EXPECT_EQ(*fits, 17U);
+  EXPECT_EQ(std::string(buffer.begin(), buffer.end()), "seventeen letters");
+  const auto too_long = read_whole_file(path.c_str(), std::span(buffer).first(16));
+  ASSERT_FALSE(too_long);
+  EXPECT_EQ(too_long.error().os_errno, EFBIG);
+  fs::remove(path);
+  const auto absent = read_whole_file(path.c_str(), buffer);
+  ASSERT_FALSE(absent);
+  EXPECT_EQ(absent.error().os_errno, ENOENT);
+}
+
 }  // namespace
 }  // namespace ninedot

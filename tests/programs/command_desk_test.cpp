@@ -27,6 +27,13 @@ TEST(CommandDesk, ACommandRunsUntilTheReportSaysThatItsOwnOrderHasEnded) {
   EXPECT_FALSE(desk.end_by(head(order.number, OrderProgress::kDone))) << "once";
 }
 
+TEST(CommandDesk, ACommandToParkIsAnOrderToPark) {
+  CommandDesk desk;
+  EXPECT_TRUE(desk.accept({Command::kPark, 4, 0.5, 0.25, false}).park);
+  EXPECT_FALSE(desk.accept(point(5)).park);
+  EXPECT_FALSE(desk.accept({Command::kFollow, 6, 0, 0, false}).park);
+}
+
 TEST(CommandDesk, WhatAnOlderOrderHasDoneIsNotTheNewerCommandsResult) {
   CommandDesk desk;
   const AimOrder older = desk.accept(point(1)), newer = desk.accept(point(2));

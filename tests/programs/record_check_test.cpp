@@ -121,8 +121,9 @@ TEST_F(Commands, CheckAcceptsTheDefaultConfigurationOnItsRecording) {
 TEST_F(Commands, CheckNamesTheLineOfWhatTheServiceWouldRefuse) {
   EXPECT_EQ(refusal("[camera]\ndevice = \"/nowhere\""), "c.toml:2: /nowhere: no such recording");
   EXPECT_EQ(refusal("[camera]\n\nrate = 3"), "c.toml:3: unknown key 'rate' in [camera]; did you mean 'rate_hz'?");
-  EXPECT_EQ(refusal("[camera]\nsource = \"simulated\""),
-            "c.toml:2: camera.source is 'simulated', but this build has only recording, v4l2, libcamera");
+  EXPECT_EQ(
+      refusal("[camera]\nsource = \"simulated\""),
+      "c.toml:2: 'source' is 'simulated', and there is no robot: write [[simulation.robot]], where it is and when");
   EXPECT_EQ(refusal("[camera]\n"),
             "c.toml:1: camera.device is missing: write the recording's folder or .y4m file into the configuration");
   EXPECT_EQ(refusal(camera() + "calibration = \"/nowhere.yaml\""),
@@ -167,6 +168,30 @@ TEST_F(Commands, CheckTakesAMissingDeviceForOneThatMayCome) {
         "c.toml:7: note: waits for it: /dev/nowhere-else: there is no such serial port",
         "c.toml:9: note: waits for it: ", "c.toml:11: note: waits for it: /dev/no-line: No such file"})
     EXPECT_NE(outcome.line.find(note), std::string::npos) << note << " in " << outcome.line;
+}
+
+TEST_F(Commands, CheckSaysWhatAHeadOnABusWaitsForAndWhatNoWaitingMends) {
+  const auto with_head = [&](const std::string& driver, const std::string& device, const std::string& rest = "") {
+    return check(camera() + "[pan_tilt]\ndriver = \"" + driver + "\"\ndevice = \"" + device + "\"\n" + rest);
+  };
+  for (const char* driver : {"dynamixel", "feetech-sts", "feetech-scs"}) {
+    const Outcome absent = with_head(driver, "/dev/nowhere");
+    EXPECT_EQ(absent.status, ExitStatus::kSuccess);
+    EXPECT_NE(absent.line.find("c.toml:5: note: waits for it: /dev/nowhere: there is no such serial port"),
+              std::string::npos)
+        << absent.line;
+    EXPECT_EQ(with_head(driver, "/dev/null").status, ExitStatus::kWrongUsage) << "no terminal";
+  }
+  const Outcome absent = with_head("pca9685", "/dev/nowhere", "output_enable = \"no-chip:1\"\n");
+  EXPECT_EQ(absent.status, ExitStatus::kSuccess);
+  for (const char* note : {"c.toml:5: note: waits for it: /dev/nowhere: there is no such I2C bus",
+                           "c.toml:6: note: waits for it: GPIO line 'no-chip:1'"})
+    EXPECT_NE(absent.line.find(note), std::string::npos) << note << " in " << absent.line;
+  EXPECT_EQ(with_head("pca9685", "/dev/null").status, ExitStatus::kWrongUsage) << "no I2C bus";
+  const Outcome period = with_head("pca9685", "/dev/nowhere", "oscillator_hz = 5e7\nperiod_ms = 40\n");
+  EXPECT_EQ(period.status, ExitStatus::kWrongUsage);
+  EXPECT_NE(period.line.find("c.toml:7: a PCA9685 at 5e+07 Hz has no period of 40 ms"), std::string::npos)
+      << period.line;
 }
 
 TEST_F(Commands, CheckKnowsOnePortByTwoNames) {
@@ -252,6 +277,23 @@ TEST_F(Commands, RecordTakesEveryFrameOfARecording) {
   EXPECT_TRUE(fs::exists(out + "/camera.yaml"));
   EXPECT_TRUE(fs::exists(out + "/frames/000021.png"));
   EXPECT_EQ(check(camera(out)).status, ExitStatus::kSuccess);
+}
+
+TEST_F(Commands, RecordKeepsAllThatTheCalibrationSaysOfItself) {
+  std::ifstream own(kApproach + "/camera.yaml");
+  const std::string text = std::string(std::istreambuf_iterator<char>(own), {}) +
+                           "calibration:\n  date: \"2026-11-22\"\n  camera_id: usb-046d:0825\n  # by hand\n";
+  folder_.write("mine.yaml", text);
+  const std::string path = config(camera() + "calibration = \"mine.yaml\"\n");
+  const Outcome outcome = run({"record", "--config", path, "--out", folder_.path() + "/out", "--frames", "1"});
+  EXPECT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
+  std::ifstream recorded(folder_.path() + "/out/camera.yaml");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(recorded), {}), text);
+}
+
+TEST_F(Commands, CheckRefusesAFocusPositionThatNothingKeeps) {
+  EXPECT_NE(refusal(camera() + "focus_position = 30\n").find("camera.focus_position has no effect"), std::string::npos);
+  EXPECT_EQ(check(camera() + "focus_position = 30\nfocus = \"fixed\"\n").status, ExitStatus::kSuccess);
 }
 
 TEST_F(Commands, RecordStopsAfterTheFramesAskedFor) {

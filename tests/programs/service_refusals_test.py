@@ -22,8 +22,9 @@ class StandardOutputThatIsFull(unittest.TestCase):
     def test_fails_every_command_in_one_line(self):
         port = free_port()
         head = '[modbus]\nallow_writes = true\n[pan_tilt]\ndriver = "simulated"\n'
-        with Service(config_text(port=port, extra=head)) as service, Client(port=port) as client, \
-                tempfile.TemporaryDirectory(prefix="ninedot-test-") as folder:
+        with tempfile.TemporaryDirectory(prefix="ninedot-test-") as folder, \
+                Service(config_text(port=port, extra=f'{head}[tap]\nenabled = true\npath = "{folder}/tap"\n')) as service, \
+                Client(port=port) as client:
             client.wait_for(lambda registers: registers[4] & VALID)
             at = ("--port", str(port))
             commands = [("--help",), ("--version",), ("registers",), ("registers", "--format", "csv"),
@@ -31,11 +32,13 @@ class StandardOutputThatIsFull(unittest.TestCase):
                         ("record", "--config", service.config, "--out", f"{folder}/recording", "--frames", "2"),
                         ("pattern", "--out", f"{folder}/landmark.svg"), ("check", "--config", service.config),
                         ("status", *at), ("status", "--json", *at), ("status", "--watch", *at),
-                        ("status", "--watch", "--json", *at), ("aim", "--follow", *at), ("aim", "--pan-deg", "5", *at)]
+                        ("status", "--watch", "--json", *at), ("aim", "--follow", *at), ("aim", "--pan-deg", "5", *at),
+                        ("tap", "--path", f"{folder}/tap"), ("tap", "--path", f"{folder}/tap", "--out", f"{folder}/now.png"),
+                        ("tap", "--path", f"{folder}/tap", "--record", f"{folder}/tapped")]
             known = re.findall(r"^  (\w+) ", run("ninedot", "--help").stdout.split("Subcommands:")[1], re.M)
             self.assertGreater(len(known), 5)
-            # `map` writes a file, and what it tells goes to standard error.
-            self.assertEqual(set(known) - {"map"}, {command[0] for command in commands} - {"--help", "--version"})
+            # These write files, and what they tell goes to standard error.
+            self.assertEqual(set(known) - {"map", "calibrate", "simulate"}, {command[0] for command in commands} - {"--help", "--version"})
             for command in commands:
                 with self.subTest(command), open("/dev/full", "w") as full:
                     result = subprocess.run([BIN / "ninedot", *command], stdin=subprocess.DEVNULL, stdout=full,

@@ -200,7 +200,7 @@ class Running(unittest.TestCase):
             self.assertEqual(beyond.returncode, 1)
             self.assertIn("pan 30.00 deg, tilt -7.00 deg, the end of its range", beyond.stderr)
             self.assertTrue(client.read()[4] & SERVO_LIMIT)
-            self.assertIn("head       pan 30.00 deg", run("ninedot", "status", "--port", str(port)).stdout)
+            self.assertIn("head       HOLD, pan 30.00 deg", run("ninedot", "status", "--port", str(port)).stdout)
             self.assertEqual(run("ninedot", "aim", "--port", str(port)).returncode, 2)
             self.assertEqual(service.end()[0], 0)
 

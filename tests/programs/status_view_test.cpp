@@ -24,6 +24,7 @@ TEST(StatusTable, SaysPoseUncertaintyHeadAndHealthInTheRegistersUnits) {
             "                     x           y           z\n"
             "position      1234.568   -2500.000    3276.700 mm\n"
             "  1-sigma         0.12        0.34        2.10 mm\n"
+            "  of these        1.50 mm are the calibration's, all axes together\n"
             "rotation        17.189     -22.918      68.755 deg (rotation vector, body to world)\n"
             "  1-sigma        0.029       0.057       0.115 deg\n"
             "angles         123.457     -45.250    -180.000 deg (KUKA A, B, C)\n"
@@ -31,7 +32,7 @@ TEST(StatusTable, SaysPoseUncertaintyHeadAndHealthInTheRegistersUnits) {
             "landmark   9 of 9 dots, residual 0.046 px, ambiguity 0.12, full solver\n"
             "or else    x -321.5 y 4000.2 z 17.0 mm, by another reading: odds 0.120\n"
             "in view    3 landmarks of the map, 1 NOT WHERE THE MAP SAYS (number 12)\n"
-            "head       pan 12.34 deg, tilt -5.67 deg, at its LIMIT, INHIBITED\n"
+            "head       COAST, pan 12.34 deg, tilt -5.67 deg, at its LIMIT, INHIBITED\n"
             "frames     35.0 Hz, 100000 processed, 65537 dropped, 3 failed, 2 camera restarts\n"
             "latency    median 8.7 ms, p99 9.5, p99.9 12.0, max 33.3 (capture to report)\n"
             "service    up 1:01:01, real-time, memory locked, board 47.3 degC\n"
@@ -75,6 +76,7 @@ TEST(StatusTable, ShowsNothingThatIsNotKnownAsANumber) {
 TEST(StatusTable, LeavesTheHeadOutWhereThereIsNoneAndFitsIntoAHundredColumns) {
   WireReport report = test::known_report(kNow);
   report.has_head = false;
+  report.sigma_calibration_mm = kUnknown;
   report.rival_odds = 0;
   report.output = {};
   report.landmarks_seen = 1, report.landmarks_rejected = 0;
@@ -124,6 +126,8 @@ TEST(StatusJson, IsTheSameForBothWordOrders) {
   EXPECT_EQ(status_json(make_reader(high)), status_json(make_reader(low)));
   EXPECT_NE(status_json(make_reader(high)).find("\"x_float\":1234.567"), std::string::npos);
   EXPECT_NE(status_json(make_reader(high)).find("\"servo_limit\""), std::string::npos);
+  EXPECT_NE(status_json(make_reader(high)).find("\"head_state_text\":\"COAST\""), std::string::npos);
+  EXPECT_NE(status_json(make_reader(high)).find("\"head_state\":4"), std::string::npos);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ inline WireReport known_report(MonoTime now) {
   report.pose_sequence = 66000;
   report.frame_number = 123456;
   report.has_pose = true;
+  report.sigma_calibration_mm = 1.5;
   report.exposed_at = now - std::chrono::microseconds(12340);
   report.latency_ms = 8.76;
   report.valid = report.found = report.calibrated = report.tracking = true;
@@ -42,6 +43,7 @@ inline WireReport known_report(MonoTime now) {
   report.has_head = report.servo_limit = report.inhibited = true;
   report.pan_deg = 12.34;
   report.tilt_deg = -5.67;
+  report.head_state = AimState::kCoast;
   return report;
 }
 

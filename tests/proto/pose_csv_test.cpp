@@ -35,7 +35,7 @@ TEST(PoseCsv, WritesTheBytesOfOneKnownReport) {
   EXPECT_EQ(format_pose_csv_row(known_report()),
             "17,485714286,3,123.456789,1500.000000,0.000000,0.500000000,-0.500000000,0.500000000,-0.500000000,"
             "30.000000,45.000000,-90.000000,1505.072000,1.000000,2.000000,3.000000,0.171887,0.250000,0.062500,8,1,"
-            "ellipse,812.3,1,0,0.000000,,,,,,,\n");
+            "ellipse,812.3,1,0,0.000000,,,,,,,,\n");
 }
 
 TEST(PoseCsv, SaysOfAFoundLandmarkThatIsNotValidWhyAndWhatElseItMayBe) {
@@ -47,9 +47,16 @@ TEST(PoseCsv, SaysOfAFoundLandmarkThatIsNotValidWhyAndWhatElseItMayBe) {
   const std::string row = format_pose_csv_row(report);
   EXPECT_TRUE(
       row.ends_with(",812.3,0,10,0.250000,1.000000,2.000000,3.000000,1.000000000,0.000000000,0.000000000,"
-                    "0.000000000\n"))
+                    "0.000000000,\n"))
       << row;
   EXPECT_EQ(std::ranges::count(row, ','), std::ranges::count(pose_csv_header(), ','));
+}
+
+TEST(PoseCsv, EndsWithWhatOfTheSigmasIsTheCalibrations) {
+  WireReport report = known_report();
+  report.sigma_calibration_landmark_mm = 0.75;
+  EXPECT_TRUE(format_pose_csv_row(report).ends_with(",0.000000,,,,,,,,0.750000\n"));
+  EXPECT_TRUE(pose_csv_header().ends_with(",sigma_calibration_mm\n"));
 }
 
 TEST(PoseCsv, HasAsManyFieldsInARowAsInItsHeader) {
