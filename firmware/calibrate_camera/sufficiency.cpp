@@ -1,6 +1,7 @@
 #include "calibrate_camera/sufficiency.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -48,10 +49,10 @@ std::vector<std::string> what_views_lack(std::span<const SheetView> views, std::
     lacks.push_back(fmt::format("{} view{} too few: take {} at least, 30 or more are good", number_word(views.size()),
                                 views.size() == 1 ? " is" : "s are", kLeastViews));
   const std::array<int, 9> counts = views_by_part(views, width_px, height_px);
+  std::vector<std::string> empty;
   for (std::size_t part = 0; part < counts.size(); ++part)
-    if (counts[part] == 0)
-      lacks.push_back(
-          fmt::format("no views in the {}: show the sheet in that part of the picture too", kPartNames[part]));
+    if (counts[part] == 0) empty.push_back(fmt::format("in the {}", kPartNames[part]));
+  if (!empty.empty()) lacks.push_back(fmt::format("no views {}: show the sheet there too", fmt::join(empty, ", ")));
   return lacks;
 }
 

@@ -1,6 +1,7 @@
 // `ninedot calibrate camera`: a lens from recordings of a landmark, or of a printed grid of dots.
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -116,7 +117,7 @@ class CameraCalibration {
     LensCalibration result = calibrate(collected);
     const std::vector<std::string> lacks = what_lens_lacks(result);
     progress_.clear();
-    if (!lacks.empty()) give_up(in_lines(lacks));
+    if (!lacks.empty()) give_up(in_one_line(lacks));
     return result;
   }
 
@@ -142,7 +143,7 @@ class CameraCalibration {
         what_views_lack(collected.views.views(), collected.views.found(), options_.width_px, options_.height_px);
     if (lacks.empty()) return;
     progress_.clear();
-    give_up(in_lines(lacks));
+    give_up(in_one_line(lacks));
   }
 
   LensCalibration calibrate(const CollectedViews& collected) {
@@ -153,10 +154,8 @@ class CameraCalibration {
     give_up("no lens explains the views: tilt the sheet by 30 to 45 degrees in a part of them, to all sides");
   }
 
-  std::string in_lines(const std::vector<std::string>& lines) const {
-    std::string text = gathering_stopped_ ? "stopped too early: " : "";
-    for (const std::string& line : lines) text += (&line == &lines.front() ? "" : "\n") + line;
-    return text;
+  std::string in_one_line(const std::vector<std::string>& lacks) const {
+    return fmt::format("{}{}", gathering_stopped_ ? "stopped too early: " : "", fmt::join(lacks, "; "));
   }
 
   const TerminationSignals signals_;  // before the first thread

@@ -17,6 +17,7 @@
 #include "config/config_checks.h"
 #include "drivers/picture/picture_file.h"
 #include "programs/commands/commands.h"
+#include "tests/programs/typed_command.h"
 #include "tests/recording/temporary_recording.h"
 #include "tests/support/renderer.h"
 #include "tests/support/room_renderer.h"
@@ -28,23 +29,9 @@ namespace fs = std::filesystem;
 
 class Calibrate : public testing::Test {
  protected:
-  struct Outcome {
-    ExitStatus status = ExitStatus::kSuccess;
-    std::string line;  ///< of the error
-  };
-
-  static Outcome run(std::vector<std::string> arguments) {
-    CLI::App app;
-    add_calibrate_command(app);
+  static test::TypedOutcome run(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "calibrate");
-    std::ranges::reverse(arguments);
-    try {
-      app.parse(arguments);
-    } catch (const StartupError& error) {
-      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-      return {error.status, error.what()};
-    }
-    return {};
+    return test::type_command(add_calibrate_command, std::move(arguments));
   }
 
   void add_picture(const test::Picture& picture) {
@@ -90,8 +77,8 @@ TEST_F(Calibrate, EllipseFindsTheFactorOfTheLensThatThePicturesWereTakenWith) {
   wrong.fx_px = wrong.fy_px = 1.02 * lens.fx_px;
   write_camera(wrong);
   folder_.write("shots.csv", csv);
-  const Outcome outcome = run({"ellipse", folder_.path(), "--shots", folder_.path() + "/shots.csv", "--focal-length-mm",
-                               "5.4", "--out", out()});
+  const test::TypedOutcome outcome = run({"ellipse", folder_.path(), "--shots", folder_.path() + "/shots.csv",
+                                          "--focal-length-mm", "5.4", "--out", out()});
   ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
   const EllipseConfig e = written().ellipse;
   EXPECT_NEAR(e.kmm_mm_per_px, 5.4 / lens.fx_px, 0.004 * 5.4 / lens.fx_px);
@@ -113,7 +100,7 @@ TEST_F(Calibrate, EllipseRefusesWithOneLineAndLeavesNothingBehind) {
   const auto refusal = [&](const std::vector<std::string>& more, ExitStatus status) {
     std::vector<std::string> arguments{"ellipse", folder_.path(), "--focal-length-mm", "5.4", "--out", out()};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    const Outcome outcome = run(arguments);
+    const test::TypedOutcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, status) << outcome.line;
     EXPECT_FALSE(fs::exists(out()));
     return outcome.line;
@@ -170,7 +157,7 @@ class CalibrateShutter : public Calibrate {
     }
     folder_.write("frames.csv", csv);
   }
-  Outcome calibrate() { return run({"rolling-shutter", folder_.path(), "--out", out()}); }
+  test::TypedOutcome calibrate() { return run({"rolling-shutter", folder_.path(), "--out", out()}); }
   /// As the file's comment says it.
   double sigma_us() const {
     std::ifstream file(out());
@@ -183,7 +170,7 @@ class CalibrateShutter : public Calibrate {
 
 TEST_F(CalibrateShutter, FindsTheRowTimeOfAFilm) {
   film(80e-6, 1, 50);
-  const Outcome outcome = calibrate();
+  const test::TypedOutcome outcome = calibrate();
   ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
   const double sigma = sigma_us();
   EXPECT_LT(sigma, 0.06 * 80);
@@ -192,7 +179,7 @@ TEST_F(CalibrateShutter, FindsTheRowTimeOfAFilm) {
 
 TEST_F(CalibrateShutter, RefusesACameraAtRest) {
   film(80e-6, 0, 26);
-  const Outcome outcome = calibrate();
+  const test::TypedOutcome outcome = calibrate();
   EXPECT_EQ(outcome.status, ExitStatus::kWorkFailed);
   EXPECT_NE(outcome.line.find("the motion is too slow"), std::string::npos) << outcome.line;
   EXPECT_FALSE(fs::exists(out()));
@@ -207,7 +194,8 @@ TEST_F(CalibrateShutter, RefusesOnePictureAndNone) {
 
 TEST_F(CalibrateShutter, SaysAtOnceThatNothingCanBeWrittenThere) {
   film(80e-6, 1, 1);
-  const Outcome outcome = run({"rolling-shutter", folder_.path(), "--out", folder_.path() + "/none/out.toml"});
+  const test::TypedOutcome outcome =
+      run({"rolling-shutter", folder_.path(), "--out", folder_.path() + "/none/out.toml"});
   EXPECT_EQ(outcome.status, ExitStatus::kWorkFailed);
   EXPECT_NE(outcome.line.find("none/out.toml"), std::string::npos) << outcome.line;
 }

@@ -18,6 +18,7 @@
 #include "programs/assembly/input_files.h"
 #include "programs/assembly/localiser_options.h"
 #include "programs/commands/commands.h"
+#include "tests/programs/typed_command.h"
 #include "tests/support/random.h"
 #include "world/landmark_map.h"
 #include "world/sighting_fit.h"
@@ -131,41 +132,25 @@ class MapCommandLine : public testing::Test {
   }
 
   /// `ninedot map wall --config ninedot.toml --out map.toml WORDS`
-  void run(std::vector<std::string> words) {
+  test::TypedOutcome type(std::vector<std::string> words) {
     words.insert(words.begin(), {"map", path("wall"), "--config", path("ninedot.toml"), "--out", path("map.toml")});
-    CLI::App app;
-    add_map_command(app);
-    std::reverse(words.begin(), words.end());
-    testing::internal::CaptureStderr();
-    try {
-      app.parse(words);
-    } catch (...) {
-      said_ = testing::internal::GetCapturedStderr();
-      throw;
-    }
-    said_ = testing::internal::GetCapturedStderr();
+    return test::type_command(add_map_command, std::move(words));
   }
   void fails(ExitStatus status, const std::vector<std::string>& words, const std::string& what) {
-    try {
-      run(words);
-      ADD_FAILURE() << "accepted";
-    } catch (const StartupError& error) {
-      EXPECT_EQ(error.status, status) << error.what();
-      EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
-    }
+    test::expect_refusal(type(words), status, what);
     EXPECT_FALSE(fs::exists(folder_ / "map.toml"));
   }
 
   std::string path(const char* name) const { return (folder_ / name).string(); }
 
   const fs::path folder_;
-  std::string said_;
 };
 
 TEST_F(MapCommandLine, PlacesSheetsThatPicturesShowTogether) {
   record(6);
-  run({"--origin", "1", "--plan", path("plan.svg")});
-  EXPECT_NE(said_.find("3 of 3 landmarks placed"), std::string::npos) << said_;
+  const test::TypedOutcome outcome = type({"--origin", "1", "--plan", path("plan.svg")});
+  ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
+  EXPECT_NE(outcome.said.find("3 of 3 landmarks placed"), std::string::npos) << outcome.said;
   std::ofstream(folder_ / "with_map.toml") << "map = \"map.toml\"\n";
   const LandmarkMap map = landmark_map(read_config(path("with_map.toml")));
   const WorldFromLandmark origin = sheets()[0].place;

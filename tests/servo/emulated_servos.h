@@ -299,7 +299,7 @@ class EmulatedServos {
       }
       for (std::size_t at = 0; at < bytes.size(); at += 3) {
         tty_.put(Bytes{bytes.begin() + static_cast<std::ptrdiff_t>(at),
-             bytes.begin() + static_cast<std::ptrdiff_t>(std::min(at + 3, bytes.size()))});
+                       bytes.begin() + static_cast<std::ptrdiff_t>(std::min(at + 3, bytes.size()))});
         std::this_thread::sleep_for(std::chrono::microseconds(100));
       }
     }
