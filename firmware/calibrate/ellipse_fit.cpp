@@ -23,8 +23,11 @@ constexpr double kCentred = 0.05;
 /// The literal formulas err by up to 4 % at 0.3 m and 75 degrees (docs/method-ellipse.md); more is a wrong distance.
 constexpr double kContradicts = 0.05;
 constexpr double kSteepest = 4, kStep = 0.05, kFlattest = 0.2;  // p3 [1]
-/// Two further unknowns explain the shots better than chance does: F of 2 and 5 freedoms at 1 %, about.
-constexpr double kWorthIt = 13;
+/// 1-sigma of a ring's semi-axis, with what noise adds to the larger one of two, and of a distance by tape measure:
+/// they say how much each shot counts, the near ones being seen best and the far ones measured best.
+constexpr double kAxisSigma_px = 0.05, kTapeSigma_mm = 1;
+/// A law of the distance must explain the shots so much better that chance would do so this rarely.
+constexpr double kByChance = 0.01;
 
 [[noreturn]] void refuse(const std::string& what) { throw StartupError(ExitStatus::kWorkFailed, what); }
 
@@ -32,7 +35,15 @@ constexpr double kWorthIt = 13;
 struct Ring {
   std::uint64_t frame;
   double distance_mm, semi_major_px;
+
+  /// Of what it says of F, relative.
+  double weight() const noexcept {
+    return 1 / (std::pow(kAxisSigma_px / semi_major_px, 2) + std::pow(kTapeSigma_mm / distance_mm, 2));
+  }
 };
+
+/// What F of 2 and so many freedoms exceeds by chance (its distribution has a closed form for 2).
+double worth_it(double freedoms) noexcept { return freedoms / 2 * (std::pow(kByChance, -2 / freedoms) - 1); }
 
 class Fitter {
  public:
@@ -139,11 +150,14 @@ class Fitter {
     const auto wanted = [&](const Ring& ring) {
       return f_mm * radius_mm_ / (ring.semi_major_px * ring.distance_mm * kmm);
     };
-    for (const Ring& ring : rings_) N += row(ring) * row(ring).transpose(), b += row(ring) * wanted(ring);
+    for (const Ring& ring : rings_) {
+      N += ring.weight() * row(ring) * row(ring).transpose();
+      b += ring.weight() * row(ring) * wanted(ring);
+    }
     if (p3 == 0) N(1, 1) = 1;
     const Eigen::Vector2d p = N.inverse() * b;
     Law law{p[0] * kmm, p3 == 0 ? 0 : p[1] * kmm / std::pow(at_mm, p3), p3, 0};
-    for (const Ring& ring : rings_) law.squares += std::pow(row(ring).dot(p) - wanted(ring), 2);
+    for (const Ring& ring : rings_) law.squares += ring.weight() * std::pow(row(ring).dot(p) - wanted(ring), 2);
     if (!p.allFinite()) law.squares = std::numeric_limits<double>::infinity();
     return law;
   }
@@ -161,9 +175,9 @@ class Fitter {
     for (double step = kStep / 2, around = best.p3; step > 1e-7; step /= 2, around = best.p3)
       consider(around - step), consider(around + step);
     const double freedoms = static_cast<double>(rings_.size()) - 3;
-    // The shots' own distances are good to 1e-6 at best: what is below that is no law.
-    const double noise = best.squares / freedoms + 1e-12;
-    fit.depends_on_distance = (constant.squares - best.squares) / 2 > kWorthIt * noise;
+    // Nobody measures a thousand times better: what is below that is no law.
+    const double noise = best.squares / freedoms + 1e-6;
+    fit.depends_on_distance = (constant.squares - best.squares) / 2 > worth_it(freedoms) * noise;
     const Law& law = fit.depends_on_distance ? best : constant;
     c.p1 = law.p1, c.p2 = law.p2, c.p3 = law.p3;
   }

@@ -78,18 +78,34 @@ TEST(EllipseFit, FindsTheConstantsThatTheShotsWereMadeWith) {
 
 TEST(EllipseFit, FindsOneFactorWhereTheDistanceChangesNothing) {
   const double K = kFocal_mm / kFx_px;
-  std::vector<EllipseShot> shots = shots_by({K, K, 0, 1, 0, 0});
-  test::Random random(4);
+  const std::vector<EllipseShot> shots = shots_by({K, K, 0, 1, 0, 0});
   const EllipseFit exact = fit_ellipse_calibration(shots, CameraModel{}, {}, kFocal_mm);
   EXPECT_NEAR(exact.calibration.kmm_mm_per_px, K, 1e-9);
   EXPECT_NEAR(exact.calibration.p1, K, 1e-9);
-  for (EllipseShot& shot : shots)
-    for (Eigen::Vector2d& centre : shot.sight.outline_centres)
-      for (double& axis : centre) axis += 0.05 / kFx_px * random.normal();
-  const EllipseFit noisy = fit_ellipse_calibration(shots, CameraModel{}, {}, kFocal_mm);
-  EXPECT_FALSE(noisy.depends_on_distance) << "noise is no law";
-  EXPECT_EQ(noisy.calibration.p2, 0);
-  EXPECT_NEAR(noisy.calibration.p1, K, 0.002 * K);
+
+  // Noise is no law, but for one time in a hundred, and what it does to the larger one of two equal axes, which is
+  // larger where the ring is small.
+  constexpr int kTimes = 300;
+  int laws = 0;
+  double sum = 0;
+  for (std::uint64_t seed = 0; seed < kTimes; ++seed) {
+    test::Random random(seed);
+    std::vector<EllipseShot> noisy = shots;
+    for (EllipseShot& shot : noisy)
+      for (Eigen::Vector2d& centre : shot.sight.outline_centres)
+        for (double& axis : centre) axis += 0.05 / kFx_px * random.normal();
+    const EllipseFit fit = fit_ellipse_calibration(noisy, CameraModel{}, {}, kFocal_mm);
+    EXPECT_LT(fit.worst_share, 0.01) << seed;
+    if (fit.depends_on_distance) {
+      ++laws;
+      continue;
+    }
+    EXPECT_EQ(fit.calibration.p2, 0);
+    EXPECT_NEAR(fit.calibration.p1, K, 0.005 * K) << seed;
+    sum += fit.calibration.p1 / K - 1;
+  }
+  EXPECT_LE(laws, 0.07 * kTimes);
+  EXPECT_NEAR(sum / (kTimes - laws), 0, 0.002);
 }
 
 TEST(EllipseFit, FindsTheOffCentreCorrectionByItsEquation) {

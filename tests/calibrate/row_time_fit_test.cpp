@@ -84,9 +84,6 @@ TEST(RowTimeFit, IsAsFarFromTheTruthAsItSays) {
       const RowTimeFit fit =
           fit_row_time(film(row_time_s, 1, 0.5, seed), camera_of_the_test(), {}, kLongest_s, 0, DotSource::kExact);
       squares += std::pow((fit.row_time_s - row_time_s) / fit.sigma_s, 2);
-      if (seed < 4)
-        printf("%g: %g +- %g misfit %g v %g\n", row_time_s * 1e6, fit.row_time_s * 1e6, fit.sigma_s * 1e6, fit.misfit,
-               fit.fastest_px_s);
       EXPECT_LT(fit.sigma_s, 1e-6);
       EXPECT_NEAR(fit.misfit, 1, 0.25);
     }
