@@ -1,22 +1,17 @@
 #include "outputs/head_output.h"
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 
 namespace ninedot {
 namespace {
 
-using Sights = InlineVector<AimSight, kMostReportSights + 1>;
+using Sights = InlineVector<AimSight, kMostReportSights>;
 
 /// Of the newest frame: what an older report shows was followed when it was new.
 Sights sights_of(const Report& report) noexcept {
   Sights sights;
-  if (!report.valid) return sights;
-  const auto& [w, x, y, z] = report.camera_in_landmark.quaternion_wxyz;
-  const Eigen::Vector3d camera_landmark_m(report.camera_in_landmark.position_m.data());
-  (void)sights.try_push_back(
-      {report.landmark_id, report.exposed_at, Eigen::Quaterniond(w, x, y, z).conjugate() * -camera_landmark_m});
-  for (const ReportSight& other : report.others)
-    (void)sights.try_push_back({other.id, report.exposed_at, Eigen::Vector3d(other.landmark_camera_m.data())});
+  for (const ReportSight& sight : report.sights)
+    (void)sights.try_push_back({sight.id, sight.exposed_at, Eigen::Vector3d(sight.landmark_camera_m.data())});
   return sights;
 }
 

@@ -28,6 +28,7 @@ struct LandmarkFix {
   double calibration_sigma_m = std::numeric_limits<double>::quiet_NaN();
   double calibration_sigma_world_m = std::numeric_limits<double>::quiet_NaN();
   Reason verdict = Reason::kNone;  ///< kNone: it may be acted on; else why not
+  bool place_is_sure = false;      ///< a head may turn to it, see is_place_sure
   std::uint16_t quality = 0;       ///< 0..1000, see pose_quality
   LandmarkSighting sighting;       ///< what joins it with others and with other pictures
 

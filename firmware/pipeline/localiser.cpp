@@ -131,6 +131,7 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bo
   fix.quality = pose_quality(pose);
   fix.sighting = {fix.id, pose.T_landmark_camera.inverse(), fix.candidates.list[chosen].dots};
   fix.verdict = verdict_on(pose, fits, options_.trust);
+  fix.place_is_sure = is_place_sure(fix.candidates, chosen, fix.verdict, 0, options_.trust);
   fix_.reason = fix.verdict;
   (void)fix_.landmarks.try_push_back(fix);  // the only one
 }

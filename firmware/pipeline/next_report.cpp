@@ -63,22 +63,21 @@ void fill_head(const HeadSnapshot& head, const MonoTime* exposed_at, Report& rep
                  head.inhibited, head.order,     head.progress,   head.state};
 }
 
-static_assert(kMostReportSights == kMaxLandmarksInView - 1);
+static_assert(kMostReportSights == kMaxLandmarksInView);
 
-void fill_others(const Fix& fix, Report& report) noexcept {
-  report.others.clear();
-  for (std::size_t i = 1; i < fix.landmarks.size(); ++i) {
-    const LandmarkFix& landmark = fix.landmarks[i];
-    if (landmark.verdict != Reason::kNone) continue;
+void fill_sights(const Fix& fix, MonoTime exposed_at, Report& report) noexcept {
+  report.sights.clear();
+  for (const LandmarkFix& landmark : fix.landmarks) {
+    if (!landmark.place_is_sure) continue;
     const Eigen::Vector3d p_m = landmark.pose().T_landmark_camera.inverse().translation_m;
-    (void)report.others.try_push_back({landmark.id, {p_m.x(), p_m.y(), p_m.z()}});
+    (void)report.sights.try_push_back({landmark.id, exposed_at, {p_m.x(), p_m.y(), p_m.z()}});
   }
 }
 
 void mark_invalid(Reason reason, Report& report) noexcept {
   report.valid = report.found = report.tracking = report.ambiguous = false;
   report.rival = {};
-  report.others.clear();
+  report.sights.clear();
   report.quality = 0;
   report.landmarks_seen = report.landmarks_rejected = 0;
   report.reason = reason;
@@ -106,7 +105,7 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix, con
   } else {
     mark_invalid(fix.reason, report);
   }
-  fill_others(fix, report);
+  fill_sights(fix, exposed_at, report);
   if (!fix.landmarks.empty()) fill_rival(fix.main(), mounted_at(frame, context), report);
   if (fix.reason == Reason::kAmbiguous) {
     report.ambiguous = true;

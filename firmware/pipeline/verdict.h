@@ -15,4 +15,12 @@ struct TrustLimits {
 /// Memory: none. Threads: pure.
 Reason verdict_on(const PoseEstimate& pose, bool fits_picture, const TrustLimits& limits) noexcept;
 
+/// Whether a head may turn to the landmark, though nobody may act on its pose: its readings, mirror images and
+/// numberings, have its middle in one direction.
+/// \param chosen  index of the reading that is believed \param verdict  on that \param others_odds  that it is another
+/// landmark, 0..1
+/// Memory: none. Threads: pure.
+bool is_place_sure(const PoseCandidates& candidates, std::size_t chosen, Reason verdict, double others_odds,
+                   const TrustLimits& limits) noexcept;
+
 }  // namespace ninedot

@@ -43,12 +43,13 @@ enum class OrderProgress : std::uint8_t {
   kFailed,   ///< the head fails, is inhibited, cannot go there, or did not arrive in time
 };
 
-/// A further landmark in the newest frame that may be acted on, beside the one that the pose is of.
+/// A landmark in the newest frame that a head may turn to, whether its pose may be acted on or not.
 struct ReportSight {
   std::uint16_t id = 0;
+  MonoTime exposed_at{};                      ///< middle of that frame's exposure
   std::array<double, 3> landmark_camera_m{};  ///< the middle of its P9 [m], frame camera
 };
-inline constexpr std::size_t kMostReportSights = 15;
+inline constexpr std::size_t kMostReportSights = 16;
 
 /// The pan/tilt head's part.
 struct ReportHead {
@@ -119,7 +120,7 @@ struct Report {
   std::uint16_t last_rejected_id = 0xFFFF;  ///< in whichever frame; 0xFFFF: none since the start
 
   ReportRival rival;
-  InlineVector<ReportSight, kMostReportSights> others;  ///< of the newest frame, for the head to choose from
+  InlineVector<ReportSight, kMostReportSights> sights;  ///< for the head to choose from; that of the pose first
   ReportHead head;
 };
 static_assert(std::is_trivially_copyable_v<Report>);

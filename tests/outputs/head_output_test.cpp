@@ -49,10 +49,13 @@ AimOptions aim_options() {
 /// A head in front of the landmark which, straight ahead, has it far from the middle of its picture.
 class Rig {
  public:
-  explicit Rig(const AimOrder& order = {})
-      : head(axes(), {}), output(CameraModel{}, aim_options(), head, &inhibit, order), localiser_(CameraModel{}, {}) {
+  explicit Rig(const AimOrder& order = {}, double distance_m = 2, double tilt_rad = 10 * kDeg,
+               const LocaliserOptions& options = {})
+      : head(axes(), {}),
+        output(CameraModel{}, aim_options(), head, &inhibit, order),
+        localiser_(CameraModel{}, options) {
     straight_ = test::look_at_landmark(
-        {.distance_m = 2, .tilt_rad = 10 * kDeg, .off_axis_x_rad = -15 * kDeg, .off_axis_y_rad = 10 * kDeg});
+        {.distance_m = distance_m, .tilt_rad = tilt_rad, .off_axis_x_rad = -15 * kDeg, .off_axis_y_rad = 10 * kDeg});
   }
 
   void one_frame() {
@@ -157,6 +160,24 @@ TEST(HeadOutput, GoesOnBetweenFramesButTakesNoReportForANewOne) {
   EXPECT_EQ(rig.output.snapshots().take().state, AimState::kCoast) << "without a frame it is out of sight";
 }
 
+/// Far away and seen from in front both mirror images fit: no pose may be acted on, but both hang in one place.
+TEST(HeadOutput, TurnsToALandmarkWhosePoseIsAmbiguous) {
+  LocaliserOptions cautious;
+  cautious.trust.max_ambiguity = 1e-4;
+  Rig rig({}, 6, 3 * kDeg, cautious);
+  int ambiguous = 0;
+  for (int i = 0; i < 40; ++i) {
+    rig.one_frame();
+    if (!rig.report.ambiguous) continue;
+    ++ambiguous;
+    EXPECT_FALSE(rig.report.valid);
+    EXPECT_EQ(rig.report.sights.size(), 1U) << i;
+  }
+  EXPECT_GT(ambiguous, 10) << "else this shows nothing";
+  EXPECT_LT(rig.off_axis_rad(), 0.5 * kDeg);
+  EXPECT_EQ(rig.output.snapshots().take().state, AimState::kTrack);
+}
+
 TEST(HeadOutput, ParksAndSaysWhenItIsThere) {
   AimOptions options = aim_options();
   options.park = {-20 * kDeg, 10 * kDeg};
@@ -187,7 +208,8 @@ TEST(HeadOutput, FollowsTheLandmarkThatItIsToldToThoughAnotherIsReported) {
   report.valid = true;
   report.landmark_id = 3;
   report.camera_in_landmark.position_m = {0, -2, 0};
-  ASSERT_TRUE(report.others.try_push_back({7, {-0.4, 0, 2}}));
+  ASSERT_TRUE(report.sights.try_push_back({3, MonoTime(1s), {0, 0, 2}}));
+  ASSERT_TRUE(report.sights.try_push_back({7, MonoTime(1s), {-0.4, 0, 2}}));
   report.exposed_at = MonoTime(1s);
   output.take(report, true, MonoTime(1020ms));
   EXPECT_EQ(output.snapshots().take().state, AimState::kAcquire);

@@ -87,6 +87,7 @@ Fix valid_fix() {
   candidate.pose.T_landmark_camera = {Eigen::Matrix3d::Identity(), {0, 2, 0}};
   candidate.pose.covariance = camera_covariance();
   (void)landmark.candidates.list.try_push_back(candidate);
+  landmark.place_is_sure = true;
   (void)fix.landmarks.try_push_back(landmark);
   return fix;
 }
@@ -149,7 +150,7 @@ TEST(BodyReport, TakesTheRecordedAnglesWhereThereIsNoHead) {
 }
 
 /// The head may follow another landmark than the one whose pose is reported.
-TEST(BodyReport, NamesTheOtherLandmarksOfTheFrameThatMayBeActedOn) {
+TEST(BodyReport, NamesTheLandmarksOfTheFrameThatAHeadMayTurnTo) {
   Fix fix = valid_fix();
   LandmarkFix other = fix.landmarks[0];
   other.id = 6;
@@ -157,13 +158,21 @@ TEST(BodyReport, NamesTheOtherLandmarksOfTheFrameThatMayBeActedOn) {
   ASSERT_TRUE(fix.landmarks.try_push_back(other));
   other.id = 7;
   other.verdict = Reason::kUncertain;
+  other.place_is_sure = false;
   ASSERT_TRUE(fix.landmarks.try_push_back(other));
-  const Report report = next_report({}, exposed_frame(), fix, {.now = kExposedAt});
+  Report report = next_report({}, exposed_frame(), fix, {.now = kExposedAt});
   EXPECT_EQ(report.landmark_id, 5);
-  ASSERT_EQ(report.others.size(), 1U);
-  EXPECT_EQ(report.others[0].id, 6);
-  EXPECT_EQ(report.others[0].landmark_camera_m, (std::array<double, 3>{-0.5, -3, 0.25}));
-  EXPECT_TRUE(next_report(report, exposed_frame(), Fix{}, {.now = kExposedAt}).others.empty());
+  ASSERT_EQ(report.sights.size(), 2U);
+  EXPECT_EQ(report.sights[0].id, 5);
+  EXPECT_EQ(report.sights[0].exposed_at, exposed_frame().exposed_at());
+  EXPECT_EQ(report.sights[1].id, 6);
+  EXPECT_EQ(report.sights[1].landmark_camera_m, (std::array<double, 3>{-0.5, -3, 0.25}));
+  EXPECT_TRUE(next_report(report, exposed_frame(), Fix{}, {.now = kExposedAt}).sights.empty());
+
+  fix.reason = fix.landmarks[0].verdict = Reason::kAmbiguous;
+  report = next_report({}, exposed_frame(), fix, {.now = kExposedAt});
+  EXPECT_FALSE(report.valid);
+  EXPECT_EQ(report.sights.size(), 2U) << "which of two mirror images it is makes no difference to a head";
 }
 
 /// A head that moves on while nothing is found does not move the robot.
