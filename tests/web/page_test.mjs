@@ -36,6 +36,7 @@ async function open(view, { theme = "light", size = "desktop", on = stage, hash 
 
 const shown = {
   live: (page) => page.waitForFunction(() => document.querySelector("#picture")?.dataset.frame > 0 && /\d/.test(document.querySelector("#pose")?.textContent)),
+  focus: (page) => page.waitForFunction(() => document.querySelector("#picture")?.dataset.frame > 0 && /\d px/.test(document.querySelector("#blur")?.textContent)),
   health: (page) => page.waitForFunction(() => document.querySelectorAll("#checks .check").length > 8),
   registers: (page) => page.waitForFunction(() => document.querySelectorAll(".registers tbody tr").length > 60),
   map: (page) => page.waitForFunction(() => /Camera at x/.test(document.querySelector("#place")?.textContent)),
@@ -107,6 +108,84 @@ test("the picture is the recording's, and the overlay is drawn into it", async (
   await close();
 });
 
+// A dark disc on paper, its edge blurred by a Gaussian of sigma_x and sigma_y px.
+const drawnDisc = (sigmaX, sigmaY, ink, paper) => ({ sigmaX, sigmaY, ink, paper });
+
+test("the focus view's blur is that of the picture", async () => {
+  const { page, close } = await open("focus");
+  const judged = (disc) => page.evaluate(async ({ sigmaX, sigmaY, ink, paper }) => {
+    const { greyOf, sharpnessOf } = await import("./sharpness.js");
+    const { judgement } = await import("./focus.js");
+    const [size, middle, radius, fine] = [96, 47.6, 22, 4];
+    // A sharp disc, four times as fine, smoothed by the Gaussian, and each pixel the mean of its sixteen.
+    const wide = size * fine;
+    let plane = Float64Array.from({ length: wide * wide }, (_, i) => {
+      const [x, y] = [((i % wide) + 0.5) / fine - 0.5, (Math.floor(i / wide) + 0.5) / fine - 0.5];
+      return Math.hypot(x - middle, y - middle) < radius ? ink : paper;
+    });
+    for (const [sigma, step] of [[sigmaX * fine, 1], [sigmaY * fine, wide]]) {
+      const reach = Math.ceil(4 * sigma);
+      const kernel = Array.from({ length: 2 * reach + 1 }, (_, k) => Math.exp(-((k - reach) ** 2) / (2 * sigma * sigma)));
+      const sum = kernel.reduce((a, b) => a + b, 0);
+      plane = plane.map((value, i) => {
+        const along = step === 1 ? i % wide : Math.floor(i / wide);
+        let smooth = 0;
+        kernel.forEach((weight, k) => { smooth += (weight / sum) * plane[i + step * (Math.min(wide - 1, Math.max(0, along + k - reach)) - along)]; });
+        return smooth;
+      });
+    }
+    const data = new Uint8ClampedArray(4 * size * size);
+    for (let y = 0; y < size; ++y)
+      for (let x = 0; x < size; ++x) {
+        let sum = 0;
+        for (let j = 0; j < fine; ++j) for (let i = 0; i < fine; ++i) sum += plane[(y * fine + j) * wide + x * fine + i];
+        data.fill(Math.round(sum / fine / fine), 4 * (y * size + x), 4 * (y * size + x) + 3);
+      }
+    const sharp = sharpnessOf(greyOf({ width: size, height: size, data }), [[middle, middle, radius, radius, 0, 1]]);
+    return { ...sharp, judgement: judgement(sharp, { exposure_ms: 5 }) };
+  }, disc);
+  for (const sigma of [0.6, 1, 2]) {
+    const { blur, ink, paper } = await judged(drawnDisc(sigma, sigma, 30, 200));
+    const whole = Math.hypot(sigma, Math.sqrt(1 / 12));  // and the pixel's own width
+    assert.ok(Math.abs(blur - whole) < 0.08 * whole, `${blur} of ${whole}`);
+    assert.ok(Math.abs(ink - 30) < 4 && Math.abs(paper - 200) < 4, `${ink} ${paper}`);
+  }
+  const said = async (...disc) => (await judged(drawnDisc(...disc))).judgement[1];
+  assert.equal(await said(0.6, 0.6, 30, 200), "Sharp and well exposed");
+  assert.equal(await said(2.5, 2.5, 30, 200), "Not sharp");
+  assert.equal(await said(2.5, 0.6, 30, 200), "Blurred by motion");
+  assert.equal(await said(0.6, 0.6, 60, 255), "Over-exposed");
+  assert.equal(await said(0.6, 0.6, 20, 75), "Dark");
+  assert.equal(await said(0.6, 0.6, 150, 185), "Little contrast");
+  await close();
+});
+
+test("the focus view marks what is over- and under-exposed, and turns by detail where there is no landmark", async () => {
+  const bare = await Stage.open({ recording: "negative" });
+  const { page, close } = await open("focus", { on: bare });
+  await page.waitForFunction(() => /detail/.test(document.querySelector("#blur")?.textContent));
+  assert.match(await page.locator("#verdict").textContent(), /No landmark to judge by/);
+  await close();
+  await bare.close();
+  const marked = await open("focus");
+  await shown.focus(marked.page);
+  const coloured = () => marked.page.evaluate(() => {
+    const canvas = document.querySelector("#picture");
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) count += data[i] !== data[i + 2] ? 1 : 0;
+    return count;
+  });
+  const claimed = await marked.page.evaluate(() => [...document.querySelectorAll(".facts tr")].filter((tr) => /exposed/.test(tr.textContent)).map((tr) => parseFloat(tr.children[1].textContent)));
+  const share = (100 * (await coloured())) / (640 * 480);
+  assert.ok(Math.abs(share - claimed[0] - claimed[1]) < 0.5, `${share} % marked, ${claimed} said`);
+  await marked.page.keyboard.press("m");
+  const frame = await marked.page.locator("#picture").getAttribute("data-frame");
+  await marked.page.waitForFunction((was) => Number(document.querySelector("#picture").dataset.frame) > Number(was) + 1, frame);
+  assert.equal(await coloured(), 0, "marks are off");
+  await marked.close();
+});
+
 test("save gives a PNG of the picture", async () => {
   const { page, close } = await open("live");
   await shown.live(page);
@@ -150,7 +229,7 @@ test("tables for controllers name each register at its address", async () => {
 test("the keyboard is enough", async () => {
   const { page, close } = await open("live");
   await shown.live(page);
-  for (const [key, view] of [["2", "health"], ["3", "registers"], ["4", "map"], ["1", "live"]]) {
+  for (const [key, view] of [["2", "focus"], ["3", "health"], ["4", "registers"], ["5", "map"], ["1", "live"]]) {
     await page.keyboard.press(key);
     await shown[view](page);
     assert.equal(await page.locator("nav a[aria-current]").getAttribute("data-view"), view);

@@ -2,12 +2,13 @@
 import { Feed, authorised, setToken } from "./feed.js";
 import { History } from "./history.js";
 import { LiveView } from "./live.js";
+import { FocusView } from "./focus.js";
 import { HealthView, verdicts, worstOf } from "./health.js";
 import { RegistersView } from "./registers.js";
 import { MapView } from "./map.js";
 
 const $ = (id) => document.getElementById(id);
-const VIEWS = { live: LiveView, health: HealthView, registers: RegistersView, map: MapView };
+const VIEWS = { live: LiveView, focus: FocusView, health: HealthView, registers: RegistersView, map: MapView };
 const THEMES = ["system", "light", "dark"];
 
 const history = new History();
