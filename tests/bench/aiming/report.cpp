@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -67,6 +69,28 @@ Reach largest_below(const std::string& demand, double from_s, double to_s, doubl
           [=](const Rows& rows) { return centre_errors(rows, from_s, to_s).largest_deg < bound_deg; }};
 }
 
+/// When a landmark can be seen again the search may be anywhere: each of these waits finds it elsewhere.
+constexpr std::array kLonger_s{0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0};
+
+std::string lost_row(const PidGains& gains, const Note& note) {
+  const double bound_s = sweep_s(hobby(40));
+  std::string row = fmt::format(
+      "| lost for 5 to 8 s, and 97 deg aside then: found again within the time that the search states, {:.1f} s |",
+      bound_s);
+  for (const bool is_pid : {false, true}) {
+    double longest_s = 0;
+    for (const double longer_s : kLonger_s) {
+      note(fmt::format("lost for {} s", kLostTo_s + longer_s - kLostFrom_s));
+      const Rows rows = drive(lost(hobby(40), longer_s), is_pid ? std::optional(gains) : std::nullopt);
+      const auto found = first_valid_s(rows, kLostTo_s + longer_s);
+      longest_s = std::max(longest_s, found ? *found - kLostTo_s - longer_s : 1e9);
+    }
+    row += longest_s < 1e9 ? fmt::format(" after {:.2f} s at most | {} |", longest_s, verdict(longest_s <= bound_s))
+                           : std::string(" never | **no** |");
+  }
+  return row + "\n";
+}
+
 std::string reach_table(const PidGains& gains, const Note& note, std::vector<AimingFile>& files) {
   std::string table = "| to be reached | servoing | reached | pid | reached |\n|---|---|---|---|---|\n";
   note("step of 20 deg");
@@ -109,22 +133,17 @@ std::string reach_table(const PidGains& gains, const Note& note, std::vector<Aim
                      covered);
   files.push_back({"aiming-hidden.svg", error_plot(covered, 40, {{from_s, to_s}})});
 
-  note("lost for 5 s");
-  table += reach_row(
-      {fmt::format("lost for 5 s, and 97 deg aside then: found again (within {:.0f} s)", kLostEnd_s - kLostTo_s),
-       [](const Rows& rows) {
-         const auto found = first_valid_s(rows, kLostTo_s);
-         return found ? fmt::format("after {:.2f} s", *found - kLostTo_s) : std::string("never");
-       },
-       [](const Rows& rows) { return first_valid_s(rows, kLostTo_s).has_value(); }},
-      drive_both(lost(hobby(40)), gains));
+  table += lost_row(gains, note);
 
   note("smart servo");
   const Config smart = base_scenario(ServoKind::kSmart, 20, 20);
+  const Pair smart_pass = drive_both(passing(smart, 1), gains);
   table += reach_row(
       largest_below("smart servo, 20 ms and the camera's 20 ms, passing at 1 m/s: never more than 0.5 deg off", 0,
                     pass.simulation.duration_s, 0.5),
-      drive_both(passing(smart, 1), gains));
+      smart_pass);
+  table += reach_row(largest_below("the same, from 0.5 s after it has set off", 1.5, pass.simulation.duration_s, 0.5),
+                     smart_pass);
   table += reach_row(largest_below("smart servo, standing: never more than 0.2 deg off after 2 s", 2, 6, 0.2),
                      drive_both(standing(smart, 5, 6), gains));
   return table;
@@ -162,6 +181,7 @@ std::string delay_table(const PidGains& gains, const Note& note, std::vector<Aim
 }
 
 std::string page(const PidGains& gains, const std::string& reach, const std::string& delays) {
+  const double forced_deg = unforeseeable_deg(base_scenario(ServoKind::kSmart, 20, 20), 1);
   return fmt::format(R"(# Aiming
 
 How well the head keeps the landmark in the middle of the picture, measured in the closed loop of `ninedot simulate` ([simulation.md](simulation.md)):
@@ -182,6 +202,9 @@ band, and 4000 deg/s^2.
 ## What is to be reached
 
 {}
+The robot that passes sets off at once, from rest to 1 m/s within nothing, 2.5 m from the landmark: before a frame that shows the motion was exposed, has come and
+has moved the servo, the landmark is up to {:.2f} deg off, whatever the controller.
+
 ![Off the centre after a step of 20 deg](aiming-step.svg)
 
 ![Off the centre while passing at 1 m/s; it begins at 1 s](aiming-pass.svg)
@@ -196,7 +219,7 @@ starts off; a third number is the share of the frames with P9 in the picture, wh
 {}
 ![Off the centre over the delay](aiming-delay.svg)
 )",
-                     gains.kp_deg_s_px, gains.ki_deg_s2_px, gains.kd_deg_px, reach, delays);
+                     gains.kp_deg_s_px, gains.ki_deg_s2_px, gains.kd_deg_px, reach, forced_deg, delays);
 }
 
 }  // namespace

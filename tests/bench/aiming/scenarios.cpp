@@ -1,9 +1,13 @@
 #include "tests/bench/aiming/scenarios.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
+#include "aim/head_kinematics.h"
+#include "aim/sweep.h"
 #include "base/units.h"
+#include "config/head_options.h"
 #include "programs/assembly/simulation_options.h"
 
 namespace ninedot::bench {
@@ -11,6 +15,7 @@ namespace {
 
 constexpr double kAside_mm = 1500, kHalfWay_mm = 2000, kHeight_mm = 1200;
 constexpr double kStart_s = 1;  // at rest before
+constexpr double kSecondsPerMs = 1e-3;
 
 WayPointConfig place(double t_s, double x_mm) { return {t_s, x_mm, kAside_mm, kHeight_mm, -90}; }
 
@@ -73,12 +78,26 @@ Config hidden(Config scenario, double from_s, double length_s) {
   return scenario;
 }
 
-Config lost(Config base) {
+Config lost(Config base, double longer_s) {
   constexpr double kBegin_mm = -1700, kEnd_mm = 1700;
   begin_at(base, pan_deg(kBegin_mm));
   base.simulation.robot = {place(0, kBegin_mm), place(kLostFrom_s, kBegin_mm), place(kLostTo_s, kEnd_mm)};
-  base.simulation.duration_s = kLostEnd_s;
-  return hidden(base, kLostFrom_s, kLostTo_s - kLostFrom_s);
+  base.simulation.duration_s = kLostTo_s + longer_s + sweep_s(base) + 1;
+  return hidden(base, kLostFrom_s, kLostTo_s + longer_s - kLostFrom_s);
+}
+
+double sweep_s(const Config& scenario) {
+  const AimOptions options = aim_options(scenario.pan_tilt);
+  const HeadKinematics kinematics(default_simulated_camera(scenario.camera), options.body);
+  const Sweep sweep(options, kinematics.half_width_rad(), kinematics.half_height_rad());
+  return std::chrono::duration<double>(sweep.longest()).count();
+}
+
+double unforeseeable_deg(const Config& scenario, double speed_m_s) {
+  const double heard_s = 1 / scenario.camera.rate_hz +
+                         kSecondsPerMs * (scenario.simulation.camera_delay_ms + scenario.simulation.servo.delay_ms);
+  const double went_mm = speed_m_s * heard_s / kMetresPerMm;
+  return std::abs(pan_deg(-kHalfWay_mm + went_mm) - pan_deg(-kHalfWay_mm));
 }
 
 std::vector<SimulationRow> drive(const Config& scenario, const std::optional<PidGains>& gains) {

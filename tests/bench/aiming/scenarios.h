@@ -31,9 +31,17 @@ double passing_middle_s(double speed_m_s);
 /// Covers everything. \param length_s  of it
 Config hidden(Config scenario, double from_s, double length_s);
 
-/// Drives 3.4 m while everything is covered for 5 s, so that the landmark is far out of the picture afterwards.
-Config lost(Config base);
-inline constexpr double kLostFrom_s = 1, kLostTo_s = 6, kLostEnd_s = 30;
+/// Drives 3.4 m while everything is covered for 5 s, so that the landmark is far out of the picture then, and stands
+/// there covered for `longer_s` more: where the search is when it could be seen again differs.
+Config lost(Config base, double longer_s);
+inline constexpr double kLostFrom_s = 1, kLostTo_s = 6;
+
+/// The longest that the head's search takes to show everything within its reach once, wherever it begins [s].
+double sweep_s(const Config& scenario);
+
+/// What nobody can prevent: how far off a landmark is, passing() having set off at once, before the first frame that
+/// shows its motion can have moved the servo [deg]. Frames come when they come: the worst of all phases.
+double unforeseeable_deg(const Config& scenario, double speed_m_s);
 
 /// All its rows. \param gains  PID's, none: of the project's controller
 std::vector<SimulationRow> drive(const Config& scenario, const std::optional<PidGains>& gains);
