@@ -45,6 +45,8 @@ Sweep::Sweep(const AimOptions& options, double half_width_rad, double half_heigh
           // A place between two rows is half of their distance from either.
           const double hop_s = ramp_time_s((row_rad(1) - row_rad(0)) / 2, tilt_);
           longest_ = std::max(longest_, duration_ + from_s(hop_s));
+          // Anew, from where the first round ended.
+          longest_ = std::max(longest_, from_s(duration_s(next_round())));
         }
 }
 
@@ -96,12 +98,17 @@ double Sweep::duration_s(const Plan& plan) const noexcept {
   return s;
 }
 
-Sweep::Plan Sweep::best_plan(const HeadAngles& from, const HeadAngles& drift_rad_per_s) const noexcept {
+int Sweep::row_near(double tilt_rad) const noexcept {
+  const double part =
+      (std::clamp(tilt_rad, tilt_.min_rad, tilt_.max_rad) - tilt_.min_rad) / (tilt_.max_rad - tilt_.min_rad);
+  return static_cast<int>(std::lround(part * (row_count_ - 1)));
+}
+
+Sweep::Plan Sweep::best_plan(const HeadAngles& from, const HeadAngles& drift_rad_per_s, int first_row) const noexcept {
   Plan plan;
   plan.from = {std::clamp(from.pan_rad, pan_.min_rad, pan_.max_rad),
                std::clamp(from.tilt_rad, tilt_.min_rad, tilt_.max_rad)};
-  const double part = (plan.from.tilt_rad - tilt_.min_rad) / (tilt_.max_rad - tilt_.min_rad);
-  plan.first_row = static_cast<int>(std::lround(part * (row_count_ - 1)));
+  plan.first_row = first_row;
   const bool left_is_nearer = pan_.max_rad - plan.from.pan_rad < plan.from.pan_rad - pan_.min_rad;
   plan.side = left_is_nearer ? 1 : -1;
   if (std::abs(drift_rad_per_s.pan_rad) > kDrift_rad_per_s) plan.side = std::copysign(1.0, drift_rad_per_s.pan_rad);
@@ -119,14 +126,21 @@ Sweep::Plan Sweep::best_plan(const HeadAngles& from, const HeadAngles& drift_rad
 }
 
 void Sweep::begin(const HeadAngles& from, const HeadAngles& drift_rad_per_s) noexcept {
-  plan_ = best_plan(from, drift_rad_per_s);
+  start(best_plan(from, drift_rad_per_s, row_near(from.tilt_rad)));
+}
+
+void Sweep::start(const Plan& plan) noexcept {
+  plan_ = plan;
   duration_ = from_s(duration_s(plan_));
   next_ = 0;
 }
 
+Sweep::Plan Sweep::next_round() const noexcept {
+  return best_plan(way_point(plan_, way_point_count(plan_) - 1), {}, plan_.first_row);
+}
+
 void Sweep::reached() noexcept {
-  if (++next_ < way_point_count(plan_)) return;
-  begin(way_point(plan_, next_ - 1), {});
+  if (++next_ == way_point_count(plan_)) start(next_round());
 }
 
 }  // namespace ninedot

@@ -3,7 +3,8 @@
 ///
 /// Rows lie so that pictures of neighbouring ones overlap by a fifth; the head goes along them to and fro, without
 /// stopping. It begins where the landmark was lost, along the row there, towards where that went; the rest in whichever
-/// order takes the least time. Over, it begins anew from where it is.
+/// order takes the least time. Over, it begins anew with that row: a landmark hangs where it hung, and what hid it
+/// goes.
 #include <chrono>
 
 #include "aim/aim_options.h"
@@ -24,12 +25,12 @@ class Sweep {
 
   /// Where the head is to go now.
   HeadAngles way_point() const noexcept { return way_point(plan_, next_); }
-  /// It is there. After the last way-point: begins anew, from there.
+  /// It is there. After the last way-point: begins anew.
   void reached() noexcept;
 
   /// From begin() until everything within reach was in the picture, from rest.
   std::chrono::nanoseconds duration() const noexcept { return duration_; }
-  /// The longest that may be, wherever it begins.
+  /// The longest that may be, wherever it begins. What comes into view behind the head's back is shown within two.
   std::chrono::nanoseconds longest() const noexcept { return longest_; }
 
   int row_count() const noexcept { return row_count_; }
@@ -50,7 +51,10 @@ class Sweep {
   double row_rad(int row) const noexcept;
   double end_rad(double side) const noexcept { return side > 0 ? pan_.max_rad : pan_.min_rad; }
   double duration_s(const Plan& plan) const noexcept;
-  Plan best_plan(const HeadAngles& from, const HeadAngles& drift_rad_per_s) const noexcept;
+  int row_near(double tilt_rad) const noexcept;
+  Plan best_plan(const HeadAngles& from, const HeadAngles& drift_rad_per_s, int first_row) const noexcept;
+  Plan next_round() const noexcept;
+  void start(const Plan& plan) noexcept;
 
   AimAxis pan_, tilt_;
   int row_count_ = 1;

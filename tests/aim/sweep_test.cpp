@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "aim/axis_ramp.h"
 #include "base/units.h"
@@ -121,13 +122,24 @@ TEST(Sweep, NarrowLensesHaveMoreRowsAndABoundedNumberOfThem) {
   EXPECT_LE(Sweep(options(), 0, 0).row_count(), 72);
 }
 
-TEST(Sweep, BeginsAnewWhenItIsOver) {
-  Walk walk(options(), {}, {});
-  double furthest = 0;
-  const int once = walk.steps_of_a_sweep();
-  for (int i = 0; i < once; ++i) walk.step();
-  for (int i = 0; i < once; ++i) furthest = std::max(furthest, std::abs(walk.step().pan_rad));
-  EXPECT_NEAR(furthest, 60 * kDeg, 1e-9);
+/// What hid the landmark may have gone behind the head's back.
+TEST(Sweep, BeginsAnewAlongTheRowWhereItWasLostAndShowsThatInTimeWheneverItComesBack) {
+  for (const double tilt_deg : {-38.0, -15.0, 6.0, 28.0}) {
+    Walk walk(options(), {0, tilt_deg * kDeg}, {0.3, 0});
+    const int longest = static_cast<int>(std::chrono::duration<double>(walk.unit.longest()).count() / 0.01);
+    const double row_s = ramp_time_s(120 * kDeg, walk.unit.pan());
+    // A landmark in that row: how long it is out of sight, from round to round.
+    for (const double pan_deg : {-70.0, 0.0, 70.0}) {
+      int since = 0, most = 0;
+      for (int i = 0; i < 4 * longest; ++i, ++since) {
+        const HeadAngles head = walk.step();
+        const bool is_seen = std::abs(head.pan_rad - pan_deg * kDeg) < kHalfWidth_rad - 0.5 * kDeg &&
+                             std::abs(head.tilt_rad - tilt_deg * kDeg) < kHalfHeight_rad - 0.5 * kDeg;
+        if (is_seen) most = std::max(most, std::exchange(since, 0));
+      }
+      EXPECT_LT(std::max(most, since) * 0.01, longest * 0.01 + 2 * row_s) << tilt_deg << ' ' << pan_deg;
+    }
+  }
 }
 
 }  // namespace

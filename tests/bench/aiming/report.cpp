@@ -73,9 +73,10 @@ Reach largest_below(const std::string& demand, double from_s, double to_s, doubl
 constexpr std::array kLonger_s{0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0};
 
 std::string lost_row(const PidGains& gains, const Note& note) {
-  const double bound_s = sweep_s(hobby(40));
+  const double bound_s = 2 * sweep_s(hobby(40));
   std::string row = fmt::format(
-      "| lost for 5 to 8 s, and 97 deg aside then: found again within the time that the search states, {:.1f} s |",
+      "| lost for 5 to 8 s, and 97 deg aside then, maybe just behind the head's back: found again within two rounds of "
+      "its search, {:.0f} s |",
       bound_s);
   for (const bool is_pid : {false, true}) {
     double longest_s = 0;

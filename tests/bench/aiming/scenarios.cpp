@@ -82,7 +82,7 @@ Config lost(Config base, double longer_s) {
   constexpr double kBegin_mm = -1700, kEnd_mm = 1700;
   begin_at(base, pan_deg(kBegin_mm));
   base.simulation.robot = {place(0, kBegin_mm), place(kLostFrom_s, kBegin_mm), place(kLostTo_s, kEnd_mm)};
-  base.simulation.duration_s = kLostTo_s + longer_s + sweep_s(base) + 1;
+  base.simulation.duration_s = kLostTo_s + longer_s + 2 * sweep_s(base) + 1;
   return hidden(base, kLostFrom_s, kLostTo_s + longer_s - kLostFrom_s);
 }
 
