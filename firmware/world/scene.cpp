@@ -16,6 +16,11 @@ namespace {
 constexpr double kNearOptimum_chi2 = 1;
 /// A sighting's own pose is the best for its grey levels, and that of its rays is a little aside: one step or two.
 constexpr int kMaxSteps = 4;
+/// Of a sheet in the room, each of which noise costs a sigma squared on average.
+constexpr double kFreedoms = 6;
+/// Where a sheet hangs whose code was misread: as likely here as anywhere within a metre and a radian of here, which is
+/// more than the room says of it.
+constexpr double kElsewhere_m3_rad3 = 1;
 
 OwnFit fit_alone(const LandmarkSighting& sighting, const LandmarkGeometry& landmark) noexcept {
   OwnFit own;
@@ -62,6 +67,7 @@ Scene::Scene(std::span<const SightedLandmark> seen, const PreparedMap& map, cons
     if (determines_pose(i)) static_cast<void>(by_sureness_.try_push_back(i));
   }
   std::ranges::sort(by_sureness_, std::greater{}, [this](std::size_t i) { return own_[i].sureness; });
+  for (std::size_t i = 0; i < seen.size(); ++i) leave_out_cost_[i] = cost_of_leaving_out(i);
 }
 
 bool Scene::is_known(std::size_t sighting) const noexcept {
@@ -78,11 +84,29 @@ bool Scene::is_anonymous(std::size_t sighting) const noexcept {
   return !seen_[sighting].coded && !map_.anonymous().empty();
 }
 
-double Scene::leave_out_cost(std::size_t sighting) const noexcept {
+double Scene::cost_of_leaving_out(std::size_t sighting) const noexcept {
   if (!determines_pose(sighting)) return 0;
   if (is_anonymous(sighting)) return options_.max_disagreement_chi2;
   if (!is_known(sighting)) return 0;
-  return std::min(options_.max_disagreement_chi2, -2 * std::log(seen_[sighting].others_odds));
+  const double elsewhere = -2 * std::log(seen_[sighting].others_odds) + cost_of_chance(sighting);
+  return std::min(options_.max_disagreement_chi2, elsewhere);
+}
+
+/// A sheet that hangs elsewhere meets by chance alone the place that a track foretells: the less likely, the better
+/// that is known, 1 over (the normalising constant of the Gaussian) of the volume where it could be. Without a track it
+/// pays at least what the right one's noise costs on average.
+double Scene::cost_of_chance(std::size_t sighting) const noexcept {
+  if (prior_ == nullptr) return kFreedoms;
+  PoseCovariance own = own_[sighting].normal.llt().solve(PoseInformation::Identity());
+  const Eigen::Matrix3d& R = map_[*seen_[sighting].coded].T_world_landmark.rotation;
+  own.topLeftCorner<3, 3>() = (R * own.topLeftCorner<3, 3>() * R.transpose()).eval();
+  own.topRightCorner<3, 3>() = (R * own.topRightCorner<3, 3>()).eval();
+  own.bottomLeftCorner<3, 3>() = own.topRightCorner<3, 3>().transpose();
+  const Eigen::LLT<PoseCovariance> spread(prior_->covariance + own);
+  if (spread.info() != Eigen::Success) return kFreedoms;
+  const double log_det = 2 * spread.matrixLLT().diagonal().array().log().sum();
+  const double log_volume = kFreedoms * std::log(2 * std::numbers::pi) + log_det - 2 * std::log(kElsewhere_m3_rad3);
+  return std::max(kFreedoms, -log_volume);
 }
 
 double Scene::numbering_cost(std::size_t sighting, const Choice& choice) const noexcept {

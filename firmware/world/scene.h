@@ -69,7 +69,7 @@ class Scene {
   /// Not found moved.
   bool is_believed(std::size_t landmark) const noexcept { return !moved_.is_moved(landmark); }
   /// What a hypothesis pays for leaving it out [1].
-  double leave_out_cost(std::size_t sighting) const noexcept;
+  double leave_out_cost(std::size_t sighting) const noexcept { return leave_out_cost_[sighting]; }
   /// What speaks against this numbering of a black-and-white sighting's dots [1].
   double numbering_cost(std::size_t sighting, const Choice& choice) const noexcept;
 
@@ -78,6 +78,9 @@ class Scene {
   WorldFromCamera camera_by(const CameraFromLandmark& T_camera_landmark, const Choice& choice) const noexcept;
 
  private:
+  double cost_of_leaving_out(std::size_t sighting) const noexcept;
+  double cost_of_chance(std::size_t sighting) const noexcept;
+
   std::span<const SightedLandmark> seen_;
   const PreparedMap& map_;
   const MovedLandmarks& moved_;
@@ -85,6 +88,7 @@ class Scene {
   const WorldOptions& options_;
   const WorldPrior* prior_;
   std::array<OwnFit, kMaxSightings> own_;
+  std::array<double, kMaxSightings> leave_out_cost_{};
   InlineVector<std::size_t, kMaxSightings> by_sureness_;
 };
 
