@@ -34,9 +34,12 @@ Result<std::span<const std::uint8_t>> JpegEncoder::encode(const ImageView& luma,
       }
     }
   }
+  const bool is_padded = !chroma.empty() && (luma.width_px % 2 != 0 || luma.height_px % 2 != 0);
+  if (is_padded) pad(luma);
   file_.resize(tjBufSize(luma.width_px, luma.height_px, subsampling));
-  const std::array<const unsigned char*, 3> planes{luma.pixels, cb_.data(), cr_.data()};
-  const std::array<int, 3> strides{static_cast<int>(luma.stride_bytes), half_width, half_width};
+  const std::array<const unsigned char*, 3> planes{is_padded ? padded_.data() : luma.pixels, cb_.data(), cr_.data()};
+  const std::array<int, 3> strides{is_padded ? 2 * half_width : static_cast<int>(luma.stride_bytes), half_width,
+                                   half_width};
   unsigned char* file = file_.data();
   auto size = static_cast<unsigned long>(file_.size());
   if (jpeg_ == nullptr || tjCompressFromYUVPlanes(jpeg_, const_cast<const unsigned char**>(planes.data()),
@@ -44,6 +47,17 @@ Result<std::span<const std::uint8_t>> JpegEncoder::encode(const ImageView& luma,
                                                   &size, quality, TJFLAG_NOREALLOC | TJFLAG_FASTDCT) != 0)
     return fail(Errc::kIo, "libturbojpeg could not encode the picture");
   return std::span<const std::uint8_t>(file_.data(), size);
+}
+
+/// With samples for each two by two pixels libturbojpeg reads an even number of pixels and rows: the last ones again.
+void JpegEncoder::pad(const ImageView& luma) {
+  const int width = luma.width_px + luma.width_px % 2, height = luma.height_px + luma.height_px % 2;
+  padded_.clear();
+  for (int y = 0; y < height; ++y) {
+    const std::uint8_t* row = luma.row(std::min(y, luma.height_px - 1));
+    padded_.insert(padded_.end(), row, row + luma.width_px);
+    if (width != luma.width_px) padded_.push_back(row[luma.width_px - 1]);
+  }
 }
 
 }  // namespace ninedot

@@ -26,8 +26,10 @@ class JpegEncoder {
   Result<std::span<const std::uint8_t>> encode(const ImageView& luma, const ChromaView& chroma, int quality);
 
  private:
+  void pad(const ImageView& luma);
+
   void* jpeg_ = nullptr;  ///< tjhandle, a void* in turbojpeg.h as well
-  std::vector<std::uint8_t> file_, cb_, cr_;
+  std::vector<std::uint8_t> file_, cb_, cr_, padded_;
 };
 
 }  // namespace ninedot
