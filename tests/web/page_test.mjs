@@ -48,7 +48,7 @@ for (const view of Object.keys(shown))
       test(`${view} is shown, ${theme}, on a ${size}`, async () => {
         const { page, close } = await open(view, { theme, size });
         await shown[view](page);
-        await pause(view === "registers" ? 300 : 2500);  // a few seconds of plots
+        await pause(view === "registers" || process.env.CI ? 300 : 2500);  // a few seconds of plots
         const overflow = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
         assert.ok(overflow <= 0, `${overflow} px wider than the screen`);
         await page.screenshot({ path: path.join(PICTURES, `${view}-${theme}-${size}.png`), fullPage: view !== "registers" });
