@@ -91,19 +91,20 @@ std::string draw_directions(const CalibrationDrawing& drawing, const Panel& pane
     if (std::isfinite(sigma_px)) largest_px = std::max(largest_px, sigma_px);
   const double scale_px = round_above(largest_px);
   const double width = kPanel / drawing.columns, height = panel.height / drawing.rows;
-  std::string text;
+  std::string cells, numbers;  // above all cells
   for (std::size_t i = 0; i < drawing.direction_sigma_px.size(); ++i) {
     const auto column = static_cast<int>(i) % drawing.columns, row = static_cast<int>(i) / drawing.columns;
     const double sigma_px = drawing.direction_sigma_px[i];
-    text += fmt::format("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\"/>\n",
-                        panel.left + column * width, kTop + row * height, width + 0.3, height + 0.3,
-                        std::isfinite(sigma_px) ? heat(sigma_px / scale_px) : kInk);
+    cells += fmt::format("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\"/>\n",
+                         panel.left + column * width, kTop + row * height, width + 0.3, height + 0.3,
+                         std::isfinite(sigma_px) ? heat(sigma_px / scale_px) : kInk);
     if (column % 6 == 3 && row % 6 == 3 && std::isfinite(sigma_px))
-      text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"11\" text-anchor=\"middle\"{}>{:.2g}</text>\n",
-                          panel.left + (column + 0.5) * width, kTop + (row + 0.5) * height + 4,
-                          sigma_px > 0.6 * scale_px ? " fill=\"#ffffff\"" : "", sigma_px);
+      numbers +=
+          fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"11\" text-anchor=\"middle\"{}>{:.2g}</text>\n",
+                      panel.left + (column + 0.5) * width, kTop + (row + 0.5) * height + 4,
+                      sigma_px > 0.6 * scale_px ? " fill=\"#ffffff\"" : "", sigma_px);
   }
-  return text +
+  return cells + numbers +
          frame_of(panel, "Expected error of directions", fmt::format("1-sigma, white 0 to black {:g} px", scale_px));
 }
 

@@ -26,5 +26,13 @@ TEST(CalibrationPicture, DrawsAPlaceForEachDiscACellForEachResidualAndAllDirecti
   EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
 
+TEST(CalibrationPicture, WritesTheNumbersOfDirectionsAboveAllCells) {
+  const CalibrationDrawing drawing{640, 480, {}, {}, 8, 8, std::vector<double>(64, 0.012), "a title"};
+  const std::string svg = draw_calibration(drawing);
+  const std::size_t first = svg.find(">0.012</text>");
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_EQ(count(svg.substr(first), "<rect"), 1U) << "the frame alone";
+}
+
 }  // namespace
 }  // namespace ninedot
