@@ -20,6 +20,7 @@
 #include "drivers/tap/tap_reader.h"
 #include "drivers/tap/tap_writer.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/sanitizers.h"
 
 namespace ninedot {
 namespace {
@@ -267,8 +268,11 @@ TEST_F(Tap, NeitherAllocatesNorMissesAPageWhileFramesCome) {
   const test::AllocationGuard guard;
   const long before = page_faults();
   for (int i = 0; i < 30; ++i) writer.publish(frame, picture.view(), {});
-  EXPECT_EQ(page_faults() - before, 0);
+  const long missed = page_faults() - before;
   EXPECT_EQ(guard.allocations() + guard.releases(), 0U);
+  if (!test::kSanitized) {  // whose own pages come as they are touched
+    EXPECT_EQ(missed, 0);
+  }
 }
 
 TEST_F(Tap, OfOnePathIsServedByOneService) {
