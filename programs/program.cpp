@@ -17,6 +17,17 @@ namespace {
 
 constexpr std::string_view kOutputFailure = "standard output can't be written: is the disk full, or its reader gone?";
 
+/// "ninedot calibrate camera": as far as the command line was understood.
+std::string command_of(const CLI::App& app) {
+  std::string command = app.get_name();
+  const CLI::App* at = &app;
+  while (!at->get_subcommands().empty()) {
+    at = at->get_subcommands().front();
+    command += " " + at->get_name();
+  }
+  return command;
+}
+
 }  // namespace
 
 int run_program(CLI::App& app, int argc, char** argv, const std::function<void()>& work) {
@@ -43,7 +54,7 @@ int run_program(CLI::App& app, int argc, char** argv, const std::function<void()
   } catch (const CLI::Success& help_or_version) {
     return finish(static_cast<ExitStatus>(app.exit(help_or_version)));
   } catch (const CLI::ParseError& error) {
-    return failed(std::string(error.what()) + ": see '" + name + " --help'", ExitStatus::kWrongUsage);
+    return failed(std::string(error.what()) + ": see '" + command_of(app) + " --help'", ExitStatus::kWrongUsage);
   } catch (const StartupError& error) {
     return failed(error.what(), error.status);
   } catch (const std::exception& error) {

@@ -93,7 +93,7 @@ void add_simulate_command(CLI::App& app) {
   command->add_option("scenario", arguments->scenario, "a configuration with [simulation]: see docs/simulation.md")
       ->required();
   command->add_option("--out", arguments->out, "CSV file, a row for each frame; default: - (standard output)");
-  command->add_option("--seed", arguments->seed, "of the camera's noise; default: 1");
+  command->add_option("--seed", arguments->seed, "of the camera's noise; default: 1")->check(CLI::NonNegativeNumber);
   command->add_option("--controller", arguments->controller, "servoing (default), or pid: a plain one on pixels")
       ->check(CLI::IsMember({"servoing", "pid"}));
   command->callback([arguments] { run_simulate(*arguments); });

@@ -113,7 +113,11 @@ class Simulate(unittest.TestCase):
         self.assertEqual(run("ninedot", "simulate", self.folder / "none.toml").returncode, 2)
         result = run("ninedot", "simulate", BUNDLED, "--out", self.folder / "none" / "log.csv")
         self.assertEqual((result.returncode, len(result.stderr.splitlines())), (1, 1), result.stderr)
-        self.assertEqual(run("ninedot", "simulate", BUNDLED, "--controller", "mpc").returncode, 2)
+        for words in (("--controller", "mpc"), ("--seed", "-1"), ("--seed", "x")):
+            result = run("ninedot", "simulate", BUNDLED, *words)
+            self.assertEqual((result.returncode, len(result.stderr.splitlines())), (2, 1), result.stderr)
+            self.assertIn(words[0], result.stderr)
+            self.assertIn("see 'ninedot simulate --help'", result.stderr)
 
 
 class SimulatedService(unittest.TestCase):
