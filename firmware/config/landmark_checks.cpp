@@ -176,6 +176,16 @@ void check_outputs(const Config& config, ConfigProblems& problems) {
     problems.add(problems.line_of("outputs.pose"),
                  "'pose' is 'body_in_world', and no landmark has a place in the world: write 'position_mm' in "
                  "[[landmarks]], or a 'map'");
+  const int followed = config.pan_tilt.landmark_id;
+  const bool is_there = config.landmarks.empty()
+                            ? followed == 0
+                            : std::ranges::any_of(config.landmarks, [&](const MapLandmarkConfig& landmark) {
+                                return landmark.id == followed;
+                              });
+  if (config.pan_tilt.driver != "none" && config.pan_tilt.landmark == "id" && !is_there)
+    problems.add(
+        problems.line_of("pan_tilt.landmark_id"),
+        fmt::format("'landmark_id' is {}, and no landmark has that 'id': the head would follow none", followed));
 }
 
 }  // namespace ninedot

@@ -11,8 +11,8 @@ namespace ninedot {
 /// \param problems  knows the lines of the file that the landmarks stand in
 void check_landmarks(const Config& config, ConfigProblems& problems);
 
-/// A robot has no place in a world in which no landmark has one. \param config  with its landmarks
-/// \param problems  knows the lines of the configuration
+/// A robot has no place in a world in which no landmark has one, and a head follows none that is not there. \param
+/// config  with its landmarks \param problems  knows the lines of the configuration
 void check_outputs(const Config& config, ConfigProblems& problems);
 
 }  // namespace ninedot

@@ -164,6 +164,14 @@ TEST(Config, RefusesAHeadWithoutTheNamesOfItsDevices) {
   EXPECT_EQ(error_of("[pan_tilt]\ndriver = \"visca\""), "t.toml:1: 'device' is empty; write the camera's serial port");
 }
 
+TEST(Config, RefusesAHeadThatWouldFollowALandmarkThatIsNone) {
+  const std::string head = "[pan_tilt]\ndriver = \"simulated\"\nlandmark = \"id\"\nlandmark_id = 7\n";
+  EXPECT_EQ(error_of(head), "t.toml:4: 'landmark_id' is 7, and no landmark has that 'id': the head would follow none");
+  EXPECT_EQ(error_of(head + "[[landmarks]]\nid = 7\ncode = \"KRGBKKRB\"\n"), "no error");
+  EXPECT_EQ(error_of("[pan_tilt]\ndriver = \"simulated\"\nlandmark = \"id\"\n"), "no error") << "the only one is 0";
+  EXPECT_EQ(error_of("[pan_tilt]\ndriver = \"none\"\nlandmark = \"id\"\nlandmark_id = 7\n"), "no error");
+}
+
 TEST(Config, RefusesAddressesRatesAndNumbersThatAHeadCannotHave) {
   const auto error_with = [](const std::string& driver, const std::string& rest) {
     return error_of("[pan_tilt]\ndriver = \"" + driver + "\"\n" + rest);
