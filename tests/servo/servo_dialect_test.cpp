@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -148,8 +149,8 @@ template <typename Dialect>
 void keeps_to_the_laws(const Dialect& dialect, const Raw& packet) {
   for (std::size_t size = 0; size < packet.size(); ++size)
     EXPECT_EQ(dialect.look_at(std::span(packet).first(size)).kind, Kind::kIncomplete) << size;
-  Raw longer = packet;
-  longer.push_back(0x55);
+  Raw longer(packet.size() + 1, 0x55);
+  std::ranges::copy(packet, longer.begin());
   EXPECT_EQ(dialect.look_at(longer).kind, Kind::kWhole);
   EXPECT_EQ(dialect.look_at(longer).size, packet.size());
   for (std::size_t bit = 0; bit < packet.size() * 8; ++bit) {
