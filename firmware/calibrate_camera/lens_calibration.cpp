@@ -48,7 +48,7 @@ class Calibrator {
       result.fit = std::move(*fit);
       return result;
     }
-    fit = chosen_model(std::move(*fit), result.tried);
+    fit = chosen_model(*fit, result.tried);
     if (!fit || stopped_) return std::nullopt;
     measure_by_lens(*fit);
     refine(*fit);
@@ -180,10 +180,10 @@ class Calibrator {
     return true;
   }
 
-  std::optional<LensFit> chosen_model(LensFit fit, std::vector<TriedModel>& tried) {
+  std::optional<LensFit> chosen_model(const LensFit& fit, std::vector<TriedModel>& tried) {
     if (options_.model) return fit;
     ModelChoiceOptions choice{adjust_options_, [this](std::string_view what) { return goes_on(what); }};
-    return choose_model(discs_, views_, std::move(fit), choice, tried);
+    return choose_model(discs_, views_, fit, choice, tried);
   }
 
   void drop_outliers(LensFit& fit) {
