@@ -116,7 +116,7 @@ class CameraStage:
             row = self.rows.get(number)
             if row is None:
                 if registers.valid or registers.reason != REASON_NO_LANDMARK:
-                    wrong.append(f"scene {number}: a pose without a landmark")
+                    wrong.append(f"scene {number}: no row, but valid {int(registers.valid)}, reason {registers.reason}")
             elif not registers.valid:
                 wrong.append(f"scene {number}: not valid, reason {registers.reason}")
             else:
