@@ -3,7 +3,7 @@
 import time
 
 from media import PIXEL_FORMATS, SCENE_OF_FORMATS
-from registers import REASON_NO_LANDMARK, DifferenceFromRow
+from registers import REASONS_WITHOUT_ROW, DifferenceFromRow
 from service import GuestService, camera_config, checksums, csv_rows, nearest_row, replay
 from tracing import Trace, frames_of
 from vivid import Vivid
@@ -115,7 +115,7 @@ class CameraStage:
             registers = service.wait_for_frames(FRAMES_IN_FLIGHT)
             row = self.rows.get(number)
             if row is None:
-                if registers.valid or registers.reason != REASON_NO_LANDMARK:
+                if registers.valid or registers.reason not in REASONS_WITHOUT_ROW:
                     wrong.append(f"scene {number}: no row, but valid {int(registers.valid)}, reason {registers.reason}")
             elif not registers.valid:
                 wrong.append(f"scene {number}: not valid, reason {registers.reason}")

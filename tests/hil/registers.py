@@ -40,6 +40,9 @@ class Registers:
 
 
 REASON_NO_FRAME_YET, REASON_NO_LANDMARK, REASON_CAMERA_LOST, REASON_TOO_OLD = 1, 2, 4, 8
+REASON_POOR_FIT, REASON_CROWDED = 12, 13
+# A replay has rows of landmarks that were found: of none where there is none, nothing that fits one, or too much to search in one picture.
+REASONS_WITHOUT_ROW = (REASON_NO_LANDMARK, REASON_POOR_FIT, REASON_CROWDED)
 
 
 def as_float32(value):
