@@ -19,16 +19,13 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr std::size_t kLeastFrames = 20;
-constexpr double kGap = 1.6;  // periods; above, one picture is missing and the motion between is not known
-constexpr int kRounds = 30;   // 4 to 8 are taken
+constexpr double kGap = 1.6;   // periods; above, one picture is missing and the motion between is not known
+constexpr int kRounds = 30;    // 4 to 8 are taken
+constexpr int kRowRounds = 6;  // each leaves a tenth of the error: the speed of a dot in rows per row
 constexpr double kSettled_s = 1e-11;
 constexpr double kOutlier = 9;        // times the median misfit: a mirror image, something before the sheet
 constexpr double kMaxTurn_rad = 0.2;  // in one step: the equations are linear no further
 constexpr int kBlocks = 10;
-/// Rendered films come out 4 to 6 % short, whatever the speed and the row time (CalibrateShutter in
-/// tests/programs/calibrate_commands_test.cpp); sightings that are exact do not. What the outlines of moving dots hold
-/// back is not understood, so it is part of the 1-sigma.
-constexpr double kModelShare = 0.05;
 /// Of the longest row time: a picture of 480 rows at 35 Hz is known to 0.6 ms from its first row to its last.
 constexpr double kUseful = 0.02;
 
@@ -36,6 +33,7 @@ constexpr double kUseful = 0.02;
 
 struct Frame {
   const MovingSighting* seen;
+  DotSightings dots;          // as they were exposed
   CameraFromLandmark T;       // of the middle row
   std::size_t before, after;  // index of the frames that tell how it moves; itself at an end
   double weight = 1;          // 0: an outlier
@@ -51,12 +49,8 @@ struct RowSums {
 class Fitter {
  public:
   Fitter(std::span<const MovingSighting> sightings, const CameraModel& camera, const LandmarkGeometry& landmark,
-         double known_s, DotSource source)
-      : camera_(camera),
-        landmark_(landmark),
-        known_s_(known_s),
-        are_outlines_(source == DotSource::kOutlines),
-        middle_row_px_(0.5 * (camera.height_px - 1)) {
+         double longest_s)
+      : camera_(camera), landmark_(landmark), longest_s_(longest_s), middle_row_px_(0.5 * (camera.height_px - 1)) {
     std::vector<const MovingSighting*> sorted;
     for (const MovingSighting& sighting : sightings) sorted.push_back(&sighting);
     std::ranges::sort(sorted,
@@ -65,11 +59,12 @@ class Fitter {
     for (std::size_t i = 0; i < sorted.size(); ++i) {
       const bool has_before = i > 0 && follows(*sorted[i - 1], *sorted[i]);
       const bool has_after = i + 1 < sorted.size() && follows(*sorted[i], *sorted[i + 1]);
-      frames_.push_back({sorted[i], sorted[i]->T_camera_landmark, has_before ? i - 1 : i, has_after ? i + 1 : i});
+      frames_.push_back({sorted[i], as_exposed(*sorted[i]), sorted[i]->T_camera_landmark, has_before ? i - 1 : i,
+                         has_after ? i + 1 : i});
     }
   }
 
-  RowTimeFit fit(double longest_s) {
+  RowTimeFit fit() {
     std::size_t usable = 0;
     for (const Frame& frame : frames_) usable += is_inner(frame);
     if (usable < kLeastFrames)
@@ -81,10 +76,10 @@ class Fitter {
       const double before_s = row_time_s_;
       step();
       if (round >= 2) leave_out_outliers();
-      row_time_s_ = std::clamp(row_time_s_, -2 * longest_s, 2 * longest_s);
+      row_time_s_ = std::clamp(row_time_s_, -2 * longest_s_, 2 * longest_s_);
       if (round > 3 && std::abs(row_time_s_ - before_s) < kSettled_s) break;
     }
-    return judged(longest_s);
+    return judged();
   }
 
  private:
@@ -93,6 +88,24 @@ class Fitter {
     const auto i = static_cast<std::size_t>(&frame - frames_.data());
     return frame.before != i && frame.after != i && frames_[frame.before].before != frame.before &&
            frames_[frame.after].after != frame.after;
+  }
+
+  /// What the outlines' model does (outline_pixels.cpp), backwards: a dot moves by the same from each row to the next.
+  DotSightings as_exposed(const MovingSighting& seen) const {
+    const SheetMotion& motion = seen.taken_back_by;
+    const CameraFromLandmark& T = seen.T_camera_landmark;
+    DotSightings dots = seen.dots;
+    for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+      if (dots[dot].information.isZero(0)) continue;
+      const Eigen::Vector2d on_sheet_m = landmark_.centre_m(dot);
+      const Eigen::Vector3d p_m = T * Eigen::Vector3d(on_sheet_m.x(), 0, on_sheet_m.y());
+      const Eigen::Vector2d ray_per_row = motion.row_time_s * motion.ray_velocity(p_m, T.translation_m);
+      const Eigen::Vector2d at_middle = dots[dot].ray;
+      for (int i = 0; i < kRowRounds; ++i)  // the row depends on the place
+        dots[dot].ray =
+            at_middle + (camera_.pixel_from_normalised(dots[dot].ray).y() - motion.middle_row_px) * ray_per_row;
+    }
+    return dots;
   }
 
   static double median_period_s(const std::vector<const MovingSighting*>& sorted) {
@@ -154,7 +167,7 @@ class Fitter {
     Vector6 by_residual = Vector6::Zero(), by_row_time = Vector6::Zero();
     RowSums sums;
     for (std::size_t dot = 0; dot < kDotCount; ++dot) {
-      const DotSighting& seen = frame.seen->dots[dot];
+      const DotSighting& seen = frame.dots[dot];
       if (seen.information.isZero(0)) continue;
       const double rows = camera_.pixel_from_normalised(seen.ray).y() - middle_row_px_;
       const CameraFromLandmark T = way.after(frame.T, rows * row_time_s_);
@@ -225,9 +238,9 @@ class Fitter {
     return camera_.fy_px * motion.ray_velocity(frame.T.translation_m, frame.T.translation_m).norm();
   }
 
-  RowTimeFit judged(double longest_s) const {
+  RowTimeFit judged() const {
     RowTimeFit fit;
-    fit.row_time_s = known_s_ + row_time_s_;
+    fit.row_time_s = row_time_s_;
     std::array<double, kBlocks> block_gg{}, block_gr{};
     double gg = 0, gr = 0, chi2 = 0;
     int freedoms = 0;
@@ -247,17 +260,16 @@ class Fitter {
     double scatter = 0;  // the delete-one jackknife's variance, over stretches of time
     for (int block = 0; block < kBlocks; ++block) {
       const auto b = static_cast<std::size_t>(block);
-      const double off_s = gg > block_gg[b] ? -(gr - block_gr[b]) / (gg - block_gg[b]) : longest_s;
+      const double off_s = gg > block_gg[b] ? -(gr - block_gr[b]) / (gg - block_gg[b]) : longest_s_;
       scatter += off_s * off_s * (kBlocks - 1) / kBlocks;
     }
     fit.sigma_s = std::sqrt(std::max(std::max(1.0, fit.misfit) / gg, scatter));
-    check(fit, longest_s);
-    if (are_outlines_) fit.sigma_s = std::hypot(fit.sigma_s, kModelShare * fit.row_time_s);
+    check(fit);
     return fit;
   }
 
-  static void check(const RowTimeFit& fit, double longest_s) {
-    const double useful_s = kUseful * longest_s;
+  void check(const RowTimeFit& fit) const {
+    const double useful_s = kUseful * longest_s_;
     if (fit.sigma_s > useful_s)
       refuse(
           fmt::format("the motion is too slow: the row time is known to {:.2g} us only, {:.2g} are needed; the "
@@ -269,17 +281,16 @@ class Fitter {
           fmt::format("the rows are read from the last to the first ({:.2f} us): the picture stands on its head; turn "
                       "it in the camera",
                       1e6 * fit.row_time_s));
-    if (fit.row_time_s > longest_s + 3 * fit.sigma_s)
+    if (fit.row_time_s > longest_s_ + 3 * fit.sigma_s)
       refuse(
           fmt::format("{:.1f} us from row to row are more than a frame has time for ({:.1f} us): are the recording's "
                       "time stamps right?",
-                      1e6 * fit.row_time_s, 1e6 * longest_s));
+                      1e6 * fit.row_time_s, 1e6 * longest_s_));
   }
 
   const CameraModel& camera_;
   const LandmarkGeometry& landmark_;
-  const double known_s_;
-  const bool are_outlines_;
+  const double longest_s_;
   double middle_row_px_, period_s_ = 0, row_time_s_ = 0;
   std::vector<Frame> frames_;
   std::vector<RowSums> sums_;
@@ -288,9 +299,9 @@ class Fitter {
 }  // namespace
 
 RowTimeFit fit_row_time(std::span<const MovingSighting> sightings, const CameraModel& camera,
-                        const LandmarkGeometry& landmark, double longest_s, double known_s, DotSource source) {
+                        const LandmarkGeometry& landmark, double longest_s) {
   EXPECTS(longest_s > 0);
-  return Fitter(sightings, camera, landmark, known_s, source).fit(longest_s);
+  return Fitter(sightings, camera, landmark, longest_s).fit();
 }
 
 }  // namespace ninedot

@@ -13,22 +13,20 @@
 #include "base/mono_time.h"
 #include "geometry/camera_model.h"
 #include "geometry/dot_sighting.h"
+#include "geometry/sheet_motion.h"
 #include "geometry/transform.h"
 
 namespace ninedot {
 
-/// One landmark in one picture, its dots as they were exposed; or taken to the middle row with a row time that is
-/// nearly right, as the localiser does where one is configured.
+/// One landmark in one picture.
 struct MovingSighting {
   std::uint16_t id = 0;
   MonoTime at{};  ///< of the middle row
   CameraFromLandmark T_camera_landmark;
   DotSightings dots;
-};
-
-enum class DotSource : std::uint8_t {
-  kOutlines,  ///< the solver's: a twentieth of the row time is added to the 1-sigma, see the .cpp
-  kExact,     ///< made-up ones, that err by their noise alone
+  /// That the dots were taken to the middle row with, as the localiser does where a row time is configured, which is
+  /// undone here. A default one: they are as they were exposed.
+  SheetMotion taken_back_by{};
 };
 
 struct RowTimeFit {
@@ -41,14 +39,10 @@ struct RowTimeFit {
 };
 
 /// \param sightings  in any order; those of one landmark that follow each other at the frames' period count
-/// \param known_s  the row time that the sightings were taken to the middle row with; 0: as they were exposed. Where a
-/// dot lies is told a few hundredths short of where its outline moved to (outline_refiner.cpp): so a first answer is
-/// made right by a second one that begins with it.
 /// \param longest_s  between rows that is possible at all: the frames' period over the rows. > 0 (contract)
 /// Throws StartupError(kWorkFailed), one line: too few pictures that follow each other, a motion too slow (with how
 /// much faster it must be), a row time that can't be. Memory: allocates.
 RowTimeFit fit_row_time(std::span<const MovingSighting> sightings, const CameraModel& camera,
-                        const LandmarkGeometry& landmark, double longest_s, double known_s = 0,
-                        DotSource source = DotSource::kOutlines);
+                        const LandmarkGeometry& landmark, double longest_s);
 
 }  // namespace ninedot

@@ -8,6 +8,7 @@
 
 #include "base/inline_vector.h"
 #include "detect/observation.h"
+#include "geometry/sheet_motion.h"
 #include "image/frame.h"
 #include "pose/estimate.h"
 #include "report/report.h"
@@ -31,6 +32,7 @@ struct LandmarkFix {
   bool place_is_sure = false;      ///< a head may turn to it, see is_place_sure
   std::uint16_t quality = 0;       ///< 0..1000, see pose_quality
   LandmarkSighting sighting;       ///< what joins it with others and with other pictures
+  SheetMotion row_motion;          ///< that the sighting was taken to the middle row with
 
   /// Of the camera in the frame of this landmark.
   const PoseEstimate& pose() const noexcept { return candidates.list[chosen].pose; }

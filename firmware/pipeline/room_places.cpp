@@ -174,6 +174,7 @@ void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const
   const double others_odds = landmark.identity->others_odds;
   pose.ambiguity = is_used ? std::max(world.ambiguity, others_odds) : either(pose.ambiguity, others_odds);
   fix.sighting = {mapped.id, pose.T_landmark_camera.inverse(), fix.candidates.list[fix.chosen].dots};
+  fix.row_motion = landmark.row_motion.sheet;
   fix.T_world_camera = world.is_valid() ? world.T_world_camera : mapped.T_world_landmark * pose.T_landmark_camera;
   fix.covariance_world =
       world.is_valid() ? world.covariance : covariance_in_world(pose.covariance, mapped.T_world_landmark);

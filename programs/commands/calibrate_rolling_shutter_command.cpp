@@ -26,7 +26,7 @@ struct ShutterArguments {
   std::string recording, config, camera, out;
 };
 
-/// \param row_time_s  that the dots are taken to the middle row with \param period_s  out: between two pictures, the
+/// \param row_time_s  that the outlines are fitted with \param period_s  out: between two pictures, the
 /// median
 std::vector<MovingSighting> collect(const ShutterArguments& arguments, Config config, const RecordingView& view,
                                     double row_time_s, double& period_s, bool& is_interrupted) {
@@ -41,8 +41,8 @@ std::vector<MovingSighting> collect(const ShutterArguments& arguments, Config co
         for (const LandmarkFix& landmark : fix.landmarks)
           if (landmark.verdict == Reason::kNone || landmark.verdict == Reason::kAmbiguous ||
               landmark.verdict == Reason::kUncertain)
-            sightings.push_back(
-                {landmark.id, frame.exposed_at(), landmark.sighting.T_camera_landmark, landmark.sighting.dots});
+            sightings.push_back({landmark.id, frame.exposed_at(), landmark.sighting.T_camera_landmark,
+                                 landmark.sighting.dots, landmark.row_motion});
       });
   tell_interruption(looked);
   is_interrupted = looked.is_interrupted;
@@ -80,7 +80,7 @@ void run_rolling_shutter(const ShutterArguments& arguments) {
       throw StartupError(
           ExitStatus::kWorkFailed,
           fmt::format("{}: its pictures have no times; record anew with `ninedot record`", arguments.recording));
-    fit = fit_row_time(sightings, view.camera, view.landmark, period_s / view.camera.height_px, before_s);
+    fit = fit_row_time(sightings, view.camera, view.landmark, period_s / view.camera.height_px);
     if (is_interrupted || std::abs(fit.row_time_s - before_s) < kSettled * fit.sigma_s) break;
   }
   out.write(text_of(fit));

@@ -173,8 +173,8 @@ TEST_F(CalibrateShutter, FindsTheRowTimeOfAFilm) {
   const test::TypedOutcome outcome = calibrate();
   ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
   const double sigma = sigma_us();
-  EXPECT_LT(sigma, 0.06 * 80);
-  EXPECT_NEAR(written().camera.row_time_us, 80, 1.5 * sigma);
+  EXPECT_LT(sigma, 0.01 * 80);
+  EXPECT_NEAR(written().camera.row_time_us, 80, 2.5 * sigma);
 }
 
 TEST_F(CalibrateShutter, RefusesACameraAtRest) {
