@@ -8,6 +8,7 @@
 #include "base/mono_time.h"
 #include "base/result.h"
 #include "base/startup_error.h"
+#include "drivers/camera/bayer.h"
 #include "image/frame.h"
 
 namespace ninedot {
@@ -30,6 +31,7 @@ struct CameraRequest {
   double rate_hz = 35;                           ///< frames per second
   std::string pixel_format = "auto";             ///< a name of pixel_formats(), or "auto"
   std::chrono::nanoseconds exposure{0};          ///< 0 = automatic
+  BayerBalance bayer;                            ///< of pixel formats that are a sensor's mosaic
   double gain = 0;                               ///< 0 = automatic; V4L2: in the driver's units, libcamera: a factor
   bool lower_rate_in_the_dark = false;           ///< automatic exposure may lower the frame rate
   PowerLine power_line = PowerLine::kUnchanged;  ///< V4L2 only

@@ -204,7 +204,7 @@ class LibcameraDevice::Session {
       format_ = find_pixel_format(readable.ours);
       if (const int error = camera_->configure(configuration_.get()); error < 0)
         refuse("the camera refused its own configuration", error);
-      stride_bytes_ = std::max<std::size_t>(stream.stride, row_bytes(format_->layout, request_.width_px));
+      stride_bytes_ = std::max<std::size_t>(stream.stride, row_bytes(*format_, request_.width_px));
       stream_ = stream.stream();
       return;
     }
@@ -217,8 +217,8 @@ class LibcameraDevice::Session {
   void map_buffers() {
     allocator_ = std::make_unique<libcamera::FrameBufferAllocator>(camera_);
     if (const int error = allocator_->allocate(stream_); error < 0) refuse("no memory for pictures", error);
-    const std::size_t needed = stride_bytes_ * static_cast<std::size_t>(request_.height_px - 1) +
-                               row_bytes(format_->layout, request_.width_px);
+    const std::size_t needed =
+        stride_bytes_ * static_cast<std::size_t>(request_.height_px - 1) + row_bytes(*format_, request_.width_px);
     for (const std::unique_ptr<libcamera::FrameBuffer>& buffer : allocator_->buffers(stream_)) {
       const libcamera::FrameBuffer::Plane& plane = buffer->planes().front();
       Mapping mapping;

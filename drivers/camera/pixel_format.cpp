@@ -15,6 +15,13 @@ constexpr std::uint32_t fourcc(const char (&code)[5]) noexcept {
   return value;
 }
 
+using Packing = BayerLayout::Packing;
+
+constexpr PixelFormat bayer(std::string_view name, const char (&code)[5], Packing packing, unsigned bits, int red_x,
+                            int red_y) noexcept {
+  return {name, fourcc(code), PixelLayout::kBayer, 0, {packing, bits, red_x, red_y}};
+}
+
 constexpr std::array kFormats{
     PixelFormat{"GREY", fourcc("GREY"), PixelLayout::kLumaPlane},
     PixelFormat{"NV12", fourcc("NV12"), PixelLayout::kLumaPlane},
@@ -27,10 +34,26 @@ constexpr std::array kFormats{
     PixelFormat{"Y16", fourcc("Y16 "), PixelLayout::kLuma16, 8},
     PixelFormat{"Y10P", fourcc("Y10P"), PixelLayout::kPacked10},
     PixelFormat{"Y12P", fourcc("Y12P"), PixelLayout::kPacked12},
-    PixelFormat{"RGGB", fourcc("RGGB"), PixelLayout::kBayer8},
-    PixelFormat{"BGGR", fourcc("BA81"), PixelLayout::kBayer8},
-    PixelFormat{"GRBG", fourcc("GRBG"), PixelLayout::kBayer8},
-    PixelFormat{"GBRG", fourcc("GBRG"), PixelLayout::kBayer8},
+    bayer("RGGB10P", "pRAA", Packing::kPacked, 10, 0, 0),
+    bayer("BGGR10P", "pBAA", Packing::kPacked, 10, 1, 1),
+    bayer("GRBG10P", "pgAA", Packing::kPacked, 10, 1, 0),
+    bayer("GBRG10P", "pGAA", Packing::kPacked, 10, 0, 1),
+    bayer("RGGB10", "RG10", Packing::kWords, 10, 0, 0),
+    bayer("BGGR10", "BG10", Packing::kWords, 10, 1, 1),
+    bayer("GRBG10", "BA10", Packing::kWords, 10, 1, 0),
+    bayer("GBRG10", "GB10", Packing::kWords, 10, 0, 1),
+    bayer("RGGB12P", "pRCC", Packing::kPacked, 12, 0, 0),
+    bayer("BGGR12P", "pBCC", Packing::kPacked, 12, 1, 1),
+    bayer("GRBG12P", "pgCC", Packing::kPacked, 12, 1, 0),
+    bayer("GBRG12P", "pGCC", Packing::kPacked, 12, 0, 1),
+    bayer("RGGB12", "RG12", Packing::kWords, 12, 0, 0),
+    bayer("BGGR12", "BG12", Packing::kWords, 12, 1, 1),
+    bayer("GRBG12", "BA12", Packing::kWords, 12, 1, 0),
+    bayer("GBRG12", "GB12", Packing::kWords, 12, 0, 1),
+    bayer("RGGB", "RGGB", Packing::kBytes, 8, 0, 0),
+    bayer("BGGR", "BA81", Packing::kBytes, 8, 1, 1),
+    bayer("GRBG", "GRBG", Packing::kBytes, 8, 1, 0),
+    bayer("GBRG", "GBRG", Packing::kBytes, 8, 0, 1),
     PixelFormat{"MJPG", fourcc("MJPG"), PixelLayout::kJpeg},
     PixelFormat{"JPEG", fourcc("JPEG"), PixelLayout::kJpeg},
 };
@@ -52,24 +75,6 @@ void take_upper_bytes(const std::uint8_t* row, std::size_t group, std::size_t wi
     std::memcpy(luma + x, row + at, std::min(group, width - x));
 }
 
-void smooth_bayer_row(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int width,
-                      std::uint8_t* luma) noexcept {
-  const auto column = [&](int x) { return unsigned{above[x]} + 2U * row[x] + below[x]; };
-  for (int x = 0; x < width; ++x) {
-    const int left = x == 0 ? 1 : x - 1;
-    const int right = x == width - 1 ? width - 2 : x + 1;
-    luma[x] = static_cast<std::uint8_t>((column(left) + 2U * column(x) + column(right) + 8U) >> 4U);
-  }
-}
-
-void convert_bayer(const std::uint8_t* pixels, std::size_t stride, int width, int height, std::uint8_t* luma) noexcept {
-  EXPECTS(width >= 2 && height >= 2);
-  const auto row = [&](int y) { return pixels + static_cast<std::size_t>(y) * stride; };
-  for (int y = 0; y < height; ++y)
-    smooth_bayer_row(row(y == 0 ? 1 : y - 1), row(y), row(y == height - 1 ? height - 2 : y + 1), width,
-                     luma + static_cast<std::size_t>(y) * static_cast<std::size_t>(width));
-}
-
 void convert_row(const PixelFormat& format, const std::uint8_t* row, std::size_t width, std::uint8_t* luma) noexcept {
   switch (format.layout) {
     case PixelLayout::kLumaPlane:
@@ -85,7 +90,7 @@ void convert_row(const PixelFormat& format, const std::uint8_t* row, std::size_t
       return take_upper_bytes(row, 4, width, luma);
     case PixelLayout::kPacked12:
       return take_upper_bytes(row, 2, width, luma);
-    case PixelLayout::kBayer8:
+    case PixelLayout::kBayer:
     case PixelLayout::kJpeg:
       EXPECTS(false && "not a format of single rows");
   }
@@ -105,12 +110,13 @@ const PixelFormat* find_pixel_format(std::uint32_t code) noexcept {
   return found == kFormats.end() ? nullptr : &*found;
 }
 
-std::size_t row_bytes(PixelLayout layout, int width_px) noexcept {
+std::size_t row_bytes(const PixelFormat& format, int width_px) noexcept {
   const auto width = static_cast<std::size_t>(width_px);
-  switch (layout) {
+  switch (format.layout) {
     case PixelLayout::kLumaPlane:
-    case PixelLayout::kBayer8:
       return width;
+    case PixelLayout::kBayer:
+      return bayer_row_bytes(format.bayer, width);
     case PixelLayout::kLuma16:
     case PixelLayout::kYuyv:
     case PixelLayout::kUyvy:
@@ -127,7 +133,6 @@ std::size_t row_bytes(PixelLayout layout, int width_px) noexcept {
 
 void convert_to_luma(const PixelFormat& format, const std::uint8_t* pixels, std::size_t stride_bytes, int width_px,
                      int height_px, std::uint8_t* luma) noexcept {
-  if (format.layout == PixelLayout::kBayer8) return convert_bayer(pixels, stride_bytes, width_px, height_px, luma);
   const auto width = static_cast<std::size_t>(width_px);
   for (int y = 0; y < height_px; ++y)
     convert_row(format, pixels + static_cast<std::size_t>(y) * stride_bytes, width,

@@ -130,6 +130,7 @@ void V4l2Device::agree_on_format() {
   const OfferedFormat* const offer = choose_format(offers, request_);
   if (offer == nullptr) refuse_with_offers();
   format_ = offer->known;
+  if (format_->layout == PixelLayout::kBayer) check_bayer();
 
   v4l2_format format{};
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
@@ -147,7 +148,15 @@ void V4l2Device::agree_on_format() {
   if (format.fmt.pix.field != V4L2_FIELD_NONE && format.fmt.pix.field != V4L2_FIELD_ANY)
     refuse("the camera gives interlaced pictures; choose another input or standard", EINVAL);
   // Some drivers leave it zero, meaning rows without gaps.
-  stride_bytes_ = std::max<std::size_t>(format.fmt.pix.bytesperline, row_bytes(format_->layout, request_.width_px));
+  stride_bytes_ = std::max<std::size_t>(format.fmt.pix.bytesperline, row_bytes(*format_, request_.width_px));
+}
+
+void V4l2Device::check_bayer() const {
+  const unsigned largest = (1U << format_->bayer.bits) - 1;
+  if (request_.bayer.black_level >= largest)
+    refuse(fmt::format("camera.black_level = {} leaves no light: {} goes to {}", request_.bayer.black_level,
+                       format_->name, largest),
+           EINVAL);
 }
 
 void V4l2Device::agree_on_rate() {
@@ -172,7 +181,7 @@ void V4l2Device::map_buffers() {
   if (wanted.count < 2 || wanted.count > kMaxBuffers)
     refuse(fmt::format("the driver gives {} buffers, at least 2 are needed", wanted.count), ENOMEM);
   const auto rows = static_cast<std::size_t>(request_.height_px);
-  const std::size_t needed = stride_bytes_ * (rows - 1) + row_bytes(format_->layout, request_.width_px);
+  const std::size_t needed = stride_bytes_ * (rows - 1) + row_bytes(*format_, request_.width_px);
   for (std::uint32_t i = 0; i < wanted.count; ++i) {
     v4l2_buffer buffer = empty_buffer(i);
     require(kernel_.ioctl(fd_, VIDIOC_QUERYBUF, &buffer), "asking where a buffer is");
@@ -184,10 +193,13 @@ void V4l2Device::map_buffers() {
     buffer_count_ = i + 1;
   }
   const std::size_t picture = rows * static_cast<std::size_t>(request_.width_px);
-  if (format_->layout == PixelLayout::kLumaPlane)
-    luma_.clear();
-  else
-    luma_.resize(picture * buffer_count_);
+  bayer_.reset();
+  if (format_->layout == PixelLayout::kBayer) {
+    bayer_.emplace(format_->bayer, request_.bayer, request_.width_px, request_.height_px);
+    pictures_.resize(bayer_->picture_bytes() * buffer_count_);
+  } else {
+    pictures_.resize(format_->layout == PixelLayout::kLumaPlane ? 0 : picture * buffer_count_);
+  }
 }
 
 void V4l2Device::start_streaming() {
@@ -262,10 +274,10 @@ Result<V4l2Device::Taken> V4l2Device::take() noexcept {
   if (result == -EAGAIN) return fail(Errc::kNoFrame, "no frame in time");
   if (result < 0 || buffer.index >= buffer_count_)
     return fail(Errc::kCameraLost, result == -ENODEV ? "the camera is gone" : "taking a frame failed", -result);
-  const std::size_t needed = format_->layout == PixelLayout::kJpeg
-                                 ? 1
-                                 : stride_bytes_ * static_cast<std::size_t>(request_.height_px - 1) +
-                                       row_bytes(format_->layout, request_.width_px);
+  const std::size_t needed =
+      format_->layout == PixelLayout::kJpeg
+          ? 1
+          : stride_bytes_ * static_cast<std::size_t>(request_.height_px - 1) + row_bytes(*format_, request_.width_px);
   const ShutterTiming timing = this->timing();
   Taken taken{buffer.index, buffer.sequence, std::min<std::size_t>(buffer.bytesused, mappings_[buffer.index].bytes),
               exposure_of(buffer, timing, mono_now()), timing.exposure};
@@ -297,9 +309,14 @@ Result<GrabbedFrame> V4l2Device::as_luma(const Taken& taken) noexcept {
   const int width = request_.width_px, height = request_.height_px;
   frame.luma = {pixels, width, height, static_cast<std::ptrdiff_t>(stride_bytes_)};
   frame.chroma = chroma_of(*format_, pixels, stride_bytes_, width, height, taken.bytes);
-  if (format_->layout != PixelLayout::kLumaPlane) {
+  if (bayer_) {
+    std::uint8_t* const picture = pictures_.data() + taken.buffer * bayer_->picture_bytes();
+    bayer_->develop(pixels, stride_bytes_, picture);
+    frame.luma = {picture, width, height, width};
+    frame.chroma = bayer_->chroma_of(picture);
+  } else if (format_->layout != PixelLayout::kLumaPlane) {
     const std::size_t picture = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    std::uint8_t* const luma = luma_.data() + taken.buffer * picture;
+    std::uint8_t* const luma = pictures_.data() + taken.buffer * picture;
     if (format_->layout == PixelLayout::kJpeg) {
       if (const auto size = jpeg_.decode({pixels, taken.bytes}, {luma, picture}); !size) {
         release(taken.buffer);

@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -66,6 +67,7 @@ class V4l2Device final : public CameraDevice {
 
   void open_node();
   void agree_on_format();
+  void check_bayer() const;
   void agree_on_rate();
   void map_buffers();
   void start_streaming();
@@ -100,7 +102,8 @@ class V4l2Device final : public CameraDevice {
   };
   std::array<Mapping, kMaxBuffers> mappings_{};
   std::uint32_t buffer_count_ = 0;
-  std::vector<std::uint8_t> luma_;  // one picture per buffer; empty where the driver's own is lent
+  std::vector<std::uint8_t> pictures_;  // one per buffer; empty where the driver's own is lent
+  std::optional<BayerDeveloper> bayer_;
   PictureDecoder jpeg_;
 
   std::uint32_t skipped_ = 0, flagged_ = 0;  // since the newest frame that was returned

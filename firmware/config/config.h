@@ -21,6 +21,8 @@ struct CameraConfig {
   std::string pixel_format = "auto";     ///< `pixel_format`: auto, GREY, Y10, YUYV, NV12, ...
   double exposure_us = 0;                ///< `exposure_us`: 0 = automatic .. 1e6
   double gain = 0.0;                     ///< `gain`: 0 = automatic .. 1000
+  double black_level = 0;                ///< `black_level`: 0..4000, of a Bayer format's numbers
+  double red_gain = 1, blue_gain = 1;    ///< `red_gain`, `blue_gain`: 0.1..16 times green, of a Bayer format
   std::string calibration;               ///< `calibration`: camera.yaml; empty = the recording's own
   bool lower_rate_in_the_dark = false;   ///< `lower_rate_in_the_dark`: automatic exposure may lower the frame rate
   std::string power_line = "unchanged";  ///< `power_line`: unchanged | off | 50Hz | 60Hz | automatic

@@ -50,6 +50,23 @@ void check_geometry(const LandmarkConfig& landmark, ConfigProblems& problems) {
                  "the centre dot must be larger than the others: that is how it is recognised");
 }
 
+/// What belongs to a sensor's own numbers says nothing of pictures that the camera has made of them.
+void check_camera(const CameraConfig& camera, ConfigProblems& problems) {
+  const std::string& format = camera.pixel_format;
+  if (format == "auto" || format.find("GG") != std::string::npos || format.find("RBG") != std::string::npos ||
+      format.find("BRG") != std::string::npos)
+    return;
+  const CameraConfig usual;
+  const auto check = [&](const char* name, double value, double usual_value) {
+    if (value != usual_value)
+      problems.add(problems.line_of(fmt::format("camera.{}", name)),
+                   fmt::format("'{}' is of Bayer formats, and pixel_format is {}: take it out", name, format));
+  };
+  check("black_level", camera.black_level, usual.black_level);
+  check("red_gain", camera.red_gain, usual.red_gain);
+  check("blue_gain", camera.blue_gain, usual.blue_gain);
+}
+
 void check_modbus(const Config& config, ConfigProblems& problems) {
   if (!is_address(config.modbus_tcp.listen))
     problems.add(problems.line_of("modbus.tcp.listen"),
@@ -190,6 +207,7 @@ void check_config(const Config& config, ConfigProblems& problems) {
   check_landmarks(config, problems);
   if (config.map.empty()) check_outputs(config, problems);
   check_head(config.pan_tilt, problems);
+  check_camera(config.camera, problems);
   check_modbus(config, problems);
   check_web(config, problems);
   check_sharing(config, problems);

@@ -20,7 +20,8 @@ constexpr double kMaxSigma_mm = 1e4;     // whoever knows a place no better does
 #define SLOT(member) [](Config& config) -> ConfigSlot { return &config.member; }
 
 constexpr std::string_view kPixelFormats =
-    "auto|GREY|NV12|NV21|YU12|YUYV|UYVY|Y10|Y12|Y16|Y10P|Y12P|RGGB|BGGR|GRBG|GBRG|MJPG";
+    "auto|GREY|NV12|NV21|YU12|YUYV|UYVY|Y10|Y12|Y16|Y10P|Y12P|RGGB10P|BGGR10P|GRBG10P|GBRG10P|RGGB10|BGGR10|GRBG10|"
+    "GBRG10|RGGB12P|BGGR12P|GRBG12P|GBRG12P|RGGB12|BGGR12|GRBG12|GBRG12|RGGB|BGGR|GRBG|GBRG|MJPG";
 
 #define LANDMARK_SLOT(member) [](Config& config) -> ConfigSlot { return &config.landmarks.back().member; }
 
@@ -49,6 +50,13 @@ const std::array kKeysUpToTheHead{
     ConfigKey{"camera", "gain", "", 0, 1000, "",
               "sensor gain, with libcamera a factor, with V4L2 in the driver's units; 0 = automatic",
               SLOT(camera.gain)},
+    ConfigKey{"camera", "black_level", "", 0, 4000, "",
+              "formats from RGGB10P to GBRG, which are a sensor's own numbers: the one that it gives without light, of "
+              "its data sheet or of a picture with the lens covered",
+              SLOT(camera.black_level)},
+    ConfigKey{"camera", "red_gain", "", 0.1, 16, "",
+              "the same formats: times red, so that paper is white, see docs/cameras.md", SLOT(camera.red_gain)},
+    ConfigKey{"camera", "blue_gain", "", 0.1, 16, "", "likewise times blue", SLOT(camera.blue_gain)},
     ConfigKey{"camera", "lower_rate_in_the_dark", "", 0, 0, "", "automatic exposure may lower the frame rate",
               SLOT(camera.lower_rate_in_the_dark)},
     ConfigKey{"camera", "power_line", "", 0, 0, "unchanged|off|50Hz|60Hz|automatic",

@@ -56,6 +56,7 @@ CameraRequest camera_request(const CameraConfig& config, const CalibrationRecord
   request.pixel_format = config.pixel_format;
   request.exposure = from_us(config.exposure_us);
   request.gain = config.gain;
+  request.bayer = {config.black_level, config.red_gain, config.blue_gain};
   request.lower_rate_in_the_dark = config.lower_rate_in_the_dark;
   request.power_line = power_line_of(config.power_line);
   request.readout = from_us(config.readout_us);

@@ -211,7 +211,7 @@ class FakeVideoKernel final : public VideoKernel {
     if (change_format) change_format(format);
     format.bytesperline = stride_bytes;
     const PixelFormat* const known = find_pixel_format(format.pixelformat);
-    const auto row = known != nullptr ? row_bytes(known->layout, static_cast<int>(format.width)) : 0;
+    const auto row = known != nullptr ? row_bytes(*known, static_cast<int>(format.width)) : 0;
     frame_bytes_ = static_cast<std::uint32_t>(std::max<std::size_t>(row, stride_bytes) * format.height);
     const bool is_420 = format.pixelformat == V4L2_PIX_FMT_NV12 || format.pixelformat == V4L2_PIX_FMT_YUV420;
     if (is_420) frame_bytes_ += frame_bytes_ / 2;

