@@ -1,0 +1,98 @@
+#include "calibrate_head/head_sufficiency.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/units.h"
+
+namespace ninedot {
+namespace {
+
+/// Twenty numbers and more, of which an eighth of the stops at a time must be able to stay out.
+constexpr std::size_t kLeastStops = 12;
+/// Less of a turn moves the camera by less than the lengths are asked to: 0.35 of them.
+constexpr double kLeastTravel_deg = 20;
+/// Below it a head that never told anything, or never moved.
+constexpr double kNoTravel_deg = 0.2;
+/// A direction that is half a degree off is what a protractor gives; lengths that are 20 mm off, a folding rule.
+constexpr double kMaxAngle_deg = 0.5, kMaxLength_mm = 20;
+
+double travel_deg(const std::vector<HeadStop>& stops, double HeadAngles::*axis) {
+  if (stops.empty()) return 0;
+  const auto [low, high] = std::ranges::minmax(stops, {}, [&](const HeadStop& stop) { return stop.told.*axis; });
+  return (high.told.*axis - low.told.*axis) * kDegPerRad;
+}
+
+void check_travel(const FoundStops& found, const char* name, double HeadAngles::*axis,
+                  std::vector<std::string>& lacks) {
+  const double seen_deg = travel_deg(found.stops, axis);
+  if (seen_deg >= kLeastTravel_deg) return;
+  const double all_deg = (found.told_max.*axis - found.told_min.*axis) * kDegPerRad;
+  lacks.push_back(fmt::format("the {} axis moved by {:.0f} degrees{}: move it by {:.0f} at least", name, seen_deg,
+                              all_deg >= kLeastTravel_deg ? " where it stood with a landmark in sight" : "",
+                              kLeastTravel_deg));
+}
+
+}  // namespace
+
+std::vector<std::string> what_stops_lack(const FoundStops& found) {
+  const double pan_deg = (found.told_max.pan_rad - found.told_min.pan_rad) * kDegPerRad;
+  const double tilt_deg = (found.told_max.tilt_rad - found.told_min.tilt_rad) * kDegPerRad;
+  if (pan_deg < kNoTravel_deg && tilt_deg < kNoTravel_deg)
+    return {
+        "no angles of a head that moves: frames.csv must have its pan_deg and tilt_deg, as `ninedot tap --record` "
+        "writes them"};
+  const std::size_t steady = found.stops.size();
+  if (steady + found.unsteady + found.without_landmark == 0)
+    return {"the head never stood: let it stand for a second at each stop"};
+  if (steady + found.unsteady == 0)
+    return {
+        fmt::format("no landmark in sight at any of {} stops: point the head at one, near enough and whole in the "
+                    "picture",
+                    found.without_landmark)};
+  if (found.unsteady > 1 && 4 * found.unsteady > steady + found.unsteady)
+    return {
+        fmt::format("the landmark moved while the head stood, at {} of {} stops: keep robot and landmark where "
+                    "they are, and let the head come to rest",
+                    found.unsteady, steady + found.unsteady)};
+  std::vector<std::string> lacks;
+  check_travel(found, "pan", &HeadAngles::pan_rad, lacks);
+  check_travel(found, "tilt", &HeadAngles::tilt_rad, lacks);
+  if (steady < kLeastStops)
+    lacks.push_back(fmt::format("{} {} with a landmark in sight {} too few: make {} at least, 40 or more are good",
+                                steady, steady == 1 ? "stop" : "stops", steady == 1 ? "is" : "are", kLeastStops));
+  return lacks;
+}
+
+std::vector<std::string> what_head_lacks(const HeadCalibration& calibration) {
+  const std::size_t all = calibration.stops + calibration.left_out;
+  if (4 * calibration.left_out > all || calibration.stops < kLeastStops)
+    return {
+        fmt::format("{} of {} stops contradict the others: were robot or landmarks moved in between, or does the "
+                    "head slip?",
+                    calibration.left_out, all)};
+  std::vector<std::string> lacks;
+  const double length_mm =
+      std::max(calibration.tilt_axis_x_sigma_m, calibration.camera_sigma_m.maxCoeff()) / kMetresPerMm;
+  if (!(length_mm <= kMaxLength_mm))
+    lacks.push_back(
+        fmt::format("lengths are uncertain by {:.0f} mm: come nearer to the landmark, and turn the head "
+                    "further",
+                    length_mm));
+  double angle_rad = calibration.camera_rpy_sigma_rad.maxCoeff();
+  for (const AxisCalibration* axis : {&calibration.pan, &calibration.tilt})
+    for (const TablePoint& point : axis->points) angle_rad = std::max(angle_rad, point.sigma_rad);
+  if (!(angle_rad * kDegPerRad <= kMaxAngle_deg))
+    lacks.push_back(fmt::format("angles are uncertain by {:.2g} degrees: make more stops, over all of the picture",
+                                angle_rad * kDegPerRad));
+  for (const AxisCalibration* axis : {&calibration.pan, &calibration.tilt})
+    if (!std::ranges::is_sorted(axis->points, {}, &TablePoint::angle_rad) &&
+        !std::ranges::is_sorted(axis->points, std::ranges::greater{}, &TablePoint::angle_rad))
+      lacks.push_back(fmt::format("the {} axis turns back where it is told to go on: does it slip, or meet a stop?",
+                                  axis == &calibration.pan ? "pan" : "tilt"));
+  return lacks;
+}
+
+}  // namespace ninedot
