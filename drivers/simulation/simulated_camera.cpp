@@ -104,8 +104,9 @@ void SimulatedCamera::hear_commands() noexcept {
   if (commands.count > commands_heard_ + kept) commands_heard_ = commands.count - kept;
   for (; commands_heard_ < commands.count; ++commands_heard_) {
     const HeadCommands::Command& command = commands.list[commands_heard_ % kept];
-    pan_.command(command.at, command.angles.pan_rad);
-    tilt_.command(command.at, command.angles.tilt_rad);
+    const HeadAngles angles = options_.true_angles ? options_.true_angles(command.angles) : command.angles;
+    pan_.command(command.at, angles.pan_rad);
+    tilt_.command(command.at, angles.tilt_rad);
   }
 }
 

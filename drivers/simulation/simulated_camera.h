@@ -1,5 +1,6 @@
 #pragma once
 /// A camera on a head on a moving robot, as a FrameSource: what it would see, exposure by exposure.
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct SimulationOptions {
   HeadMount mount;
   ServoDynamics pan, tilt;
   HeadAngles start;  ///< where the head stands before its first command
+  /// Where a command truly sends the head; empty: where it says. Must neither throw nor allocate.
+  std::function<HeadAngles(const HeadAngles& told)> true_angles;
   double rate_hz = 35;
   double duration_s = 10;
   bool loop = false;                        ///< the robot begins its path anew after `duration_s`

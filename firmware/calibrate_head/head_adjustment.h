@@ -37,7 +37,7 @@ struct HeadCovariance {
 };
 HeadCovariance covariance_of_head(HeadNetwork& network, bool frees_skew);
 
-/// A stop's true angle less the table's, the lag taken out. [rad]
+/// A stop's true angle less the table's, the lag taken out. [rad] \param stop  index of it
 HeadAngles tie_of(const HeadNetwork& network, std::size_t stop);
 
 /// Of a sighting's dots, in the variance that they say of themselves. [1]

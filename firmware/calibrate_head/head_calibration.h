@@ -35,7 +35,7 @@ struct HeadCalibration {
   /// Root mean square of the angle between where a landmark is seen and where the told angles foretell it: in stops
   /// that were left out of the fit, and with what was known before.
   double foretold_rad = 0, foretold_before_rad = 0;
-  std::size_t stops = 0, left_out = 0;  ///< that were used; that contradict them
+  std::size_t stops = 0, left_out = 0;  ///< how many were used; how many contradict them
   std::size_t landmarks = 0;
   double variance_factor = 1;  ///< of the pictures against what they say of themselves; in all sigmas [1]
 };

@@ -22,14 +22,14 @@ using FootFromLandmark = Transform<frame::Body, frame::Landmark>;
 
 /// Where a landmark hung during one recording.
 struct LandmarkPlace {
-  std::size_t recording = 0;  ///< index, as in HeadStop
+  std::size_t recording = 0;  ///< index of it, as in HeadStop
   std::uint16_t id = 0;
   FootFromLandmark T_foot_landmark;
 };
 
 struct StopSighting {
   const LandmarkSighting* seen = nullptr;
-  std::size_t stop = 0, place = 0;  ///< indices
+  std::size_t stop = 0, place = 0;  ///< index of each [1]
   bool is_believed = true;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 
@@ -69,17 +70,22 @@ LandmarkSighting mean_of(const std::vector<const LandmarkSighting*>& kept, const
   return mean;
 }
 
-/// One landmark in the pictures of a stop. \return  none: it did not stand still
+/// One landmark in the pictures of a stop. A servo may come to rest late, so the later half says where it stands.
+/// \return  none: it did not stand still then either
 std::optional<LandmarkSighting> steady_sighting(const std::vector<const LandmarkSighting*>& seen) {
+  const auto later = std::span(seen).last(std::max(kLeastPictures, (seen.size() + 1) / 2));
   std::vector<double> x, y;
-  for (const LandmarkSighting* one : seen) x.push_back(direction_of(*one).x()), y.push_back(direction_of(*one).y());
+  for (const LandmarkSighting* one : later) x.push_back(direction_of(*one).x()), y.push_back(direction_of(*one).y());
   const Eigen::Vector2d middle(median(x), median(y));
   const auto off = [&](const LandmarkSighting* one) { return (direction_of(*one) - middle).norm(); };
-  const LandmarkSighting& nearest = **std::ranges::min_element(seen, {}, off);
+  const LandmarkSighting& nearest = **std::ranges::min_element(later, {}, off);
+  const auto is_steady = [&](const LandmarkSighting* one) {
+    return off(one) < kSteady && shows_the_same(*one, nearest);
+  };
+  const auto steady = static_cast<std::size_t>(std::ranges::count_if(later, is_steady));
+  if (steady < kLeastPictures || 3 * steady < 2 * later.size()) return std::nullopt;
   std::vector<const LandmarkSighting*> kept;
-  for (const LandmarkSighting* one : seen)
-    if (off(one) < kSteady && shows_the_same(*one, nearest)) kept.push_back(one);
-  if (kept.size() < kLeastPictures || 3 * kept.size() < 2 * seen.size()) return std::nullopt;
+  std::ranges::copy_if(seen, std::back_inserter(kept), is_steady);
   return mean_of(kept, nearest);
 }
 

@@ -12,7 +12,7 @@ namespace ninedot {
 
 /// One picture.
 struct HeadFrame {
-  std::size_t recording = 0;  ///< index: between two of them robot and landmarks may have been moved
+  std::size_t recording = 0;  ///< index of it: between two of them robot and landmarks may have been moved
   MonoTime exposed_at{};
   HeadAngles told;  ///< at that instant, as the head tells them
   std::vector<LandmarkSighting> seen;
@@ -20,7 +20,7 @@ struct HeadFrame {
 
 /// The head stood, and one landmark or more stood still before it.
 struct HeadStop {
-  std::size_t recording = 0;  ///< index, as in HeadFrame
+  std::size_t recording = 0;  ///< index of it, as in HeadFrame
   HeadAngles told;            ///< the mean of its pictures
   /// From where each axis came: +1 from below, -1 from above; 0: it has not moved yet. [1]
   int pan_side = 0, tilt_side = 0;

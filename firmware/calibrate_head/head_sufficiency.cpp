@@ -12,8 +12,7 @@ namespace {
 
 /// Twenty numbers and more, of which an eighth of the stops at a time must be able to stay out.
 constexpr std::size_t kLeastStops = 12;
-/// Less of a turn moves the camera by less than the lengths are asked to: 0.35 of them.
-constexpr double kLeastTravel_deg = 20;
+constexpr double kLeastTravel_deg = kLeastTravel_rad * kDegPerRad;
 /// Below it a head that never told anything, or never moved.
 constexpr double kNoTravel_deg = 0.2;
 /// A direction that is half a degree off is what a protractor gives; lengths that are 20 mm off, a folding rule.
@@ -28,11 +27,13 @@ double travel_deg(const std::vector<HeadStop>& stops, double HeadAngles::*axis) 
 void check_travel(const FoundStops& found, const char* name, double HeadAngles::*axis,
                   std::vector<std::string>& lacks) {
   const double seen_deg = travel_deg(found.stops, axis);
-  if (seen_deg >= kLeastTravel_deg) return;
+  if (seen_deg >= kLeastTravel_deg - kNoTravel_deg) return;
   const double all_deg = (found.told_max.*axis - found.told_min.*axis) * kDegPerRad;
-  lacks.push_back(fmt::format("the {} axis moved by {:.0f} degrees{}: move it by {:.0f} at least", name, seen_deg,
-                              all_deg >= kLeastTravel_deg ? " where it stood with a landmark in sight" : "",
-                              kLeastTravel_deg));
+  const bool lost_sight = all_deg >= kLeastTravel_deg;
+  lacks.push_back(fmt::format(
+      "the {} axis moved by {:.0f} degrees{}: move it by {:.0f} at least{}", name, seen_deg,
+      lost_sight ? " with a landmark in sight" : "", kLeastTravel_deg,
+      lost_sight ? "; a landmark that is farther away, or a second one beside it, stays in sight for longer" : ""));
 }
 
 }  // namespace

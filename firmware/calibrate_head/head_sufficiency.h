@@ -3,9 +3,13 @@
 #include <string>
 #include <vector>
 
+#include "base/units.h"
 #include "calibrate_head/head_calibration.h"
 
 namespace ninedot {
+
+/// Less of a turn of either axis moves the camera by less than a third of its lever, and does not tell a length.
+inline constexpr double kLeastTravel_rad = 20 * kRadPerDeg;
 
 /// What can be said before any fit: no angles, a head that hardly moved, too few stops, a landmark that is not there or
 /// moves.

@@ -226,6 +226,14 @@ struct SimulatedServoConfig {
   double tilt_start_deg = 0;          ///< `tilt_start_deg`: -180..180
 };
 
+/// [simulation.head]: how the simulated head is truly made, where that is not what [body] and [pan_tilt] say of it
+struct SimulatedHeadConfig {
+  /// `tilt_axis_mm`, `camera_mm`, `camera_rpy_deg`: as in [body]; none = what stands there
+  std::optional<std::array<double, 3>> tilt_axis_mm, camera_mm, camera_rpy_deg;
+  /// `pan_calibration`, `tilt_calibration`: [[angle_deg, pulse_us], ...]; empty = what the axis has in [pan_tilt]
+  std::vector<AxisPoint> pan_calibration, tilt_calibration;
+};
+
 /// [simulation]: for `ninedot simulate`, and for `ninedotd` with camera.source = "simulated"
 struct SimulationConfig {
   double duration_s = 10;             ///< `duration_s`: 0.1..86400
@@ -235,6 +243,7 @@ struct SimulationConfig {
   std::vector<WayPointConfig> robot;  ///< none: there is no simulation
   std::vector<HiddenConfig> hidden;
   SimulatedServoConfig servo;
+  SimulatedHeadConfig head;
 };
 
 struct Config {

@@ -304,6 +304,10 @@ constexpr std::array kTables{
                  "Without `[body]` the axes of the head meet in the body's origin."},
     TableMeaning{"simulation.hidden", "A time during which everything is covered; one table for each."},
     TableMeaning{"simulation.servo", "How the two axes of the simulated head truly move."},
+    TableMeaning{
+        "simulation.head",
+        "How the simulated head is truly made, where that is not what `[body]` and `[pan_tilt]` say of it: for "
+        "trying what a wrong configuration does, and calibrations."},
 };
 
 /// One in each list, for their keys' slots.

@@ -9,9 +9,11 @@ namespace {
 
 constexpr double kLongest_s = 86400;     // a day
 constexpr double kMaxPosition_mm = 1e7;  // as that of landmarks
+constexpr double kMaxArm_mm = 10000;     // as in [body]
 
 #define SLOT(member) [](Config& config) -> ConfigSlot { return &config.simulation.member; }
 #define SERVO_SLOT(member) SLOT(servo.member)
+#define HEAD_SLOT(member) SLOT(head.member)
 
 const std::array kKeys{
     ConfigKey{"simulation", "duration_s", "s", 0.1, kLongest_s, "",
@@ -54,7 +56,17 @@ const std::array kKeys{
     ConfigKey{"simulation.servo", "pan_start_deg", "deg", -180, 180, "",
               "where the axis stands before its first command, which is `neutral_deg`", SERVO_SLOT(pan_start_deg)},
     ConfigKey{"simulation.servo", "tilt_start_deg", "deg", -180, 180, "", "likewise", SERVO_SLOT(tilt_start_deg)},
+
+    ConfigKey{"simulation.head", "tilt_axis_mm", "mm", -kMaxArm_mm, kMaxArm_mm, "", "as in `[body]`; none = as there",
+              HEAD_SLOT(tilt_axis_mm)},
+    ConfigKey{"simulation.head", "camera_mm", "mm", -kMaxArm_mm, kMaxArm_mm, "", "likewise", HEAD_SLOT(camera_mm)},
+    ConfigKey{"simulation.head", "camera_rpy_deg", "deg", -180, 180, "", "likewise", HEAD_SLOT(camera_rpy_deg)},
+    ConfigKey{"simulation.head", "pan_calibration", "", -1e5, 1e5, "",
+              "points `[angle_deg, pulse_us]`: where a pulse truly turns the axis; none = where `[pan_tilt.pan]` says",
+              HEAD_SLOT(pan_calibration)},
+    ConfigKey{"simulation.head", "tilt_calibration", "", -1e5, 1e5, "", "likewise", HEAD_SLOT(tilt_calibration)},
 };
+#undef HEAD_SLOT
 #undef SERVO_SLOT
 #undef SLOT
 
@@ -71,6 +83,15 @@ void check_path(const SimulationConfig& simulation, ConfigProblems& problems) {
                    fmt::format("'to_s' is {}; write no less than from_s = {}", hidden.to_s, hidden.from_s));
 }
 
+void check_table(const char* key, const std::vector<AxisPoint>& points, ConfigProblems& problems) {
+  if (!points.empty() && !ServoAxis::accepts(points))
+    problems.add(
+        problems.line_of(fmt::format("simulation.head.{}", key)),
+        fmt::format("'{}' is of no use; write 2 to {} pairs whose angles rise and whose pulses all rise or all "
+                    "fall",
+                    key, ServoAxis::kMaxPoints));
+}
+
 void check_start(const char* key, double start_deg, const HeadAxisConfig& axis, ConfigProblems& problems) {
   if (start_deg < axis.min_deg || start_deg > axis.max_deg)
     problems.add(problems.line_of(fmt::format("simulation.servo.{}", key)),
@@ -85,6 +106,8 @@ std::span<const ConfigKey> simulation_keys() { return kKeys; }
 void check_simulation(const Config& config, ConfigProblems& problems) {
   const SimulationConfig& simulation = config.simulation;
   check_path(simulation, problems);
+  check_table("pan_calibration", simulation.head.pan_calibration, problems);
+  check_table("tilt_calibration", simulation.head.tilt_calibration, problems);
   if (config.camera.source == "simulated" && simulation.robot.empty())
     problems.add(problems.line_of("camera.source"),
                  "'source' is 'simulated', and there is no robot: write [[simulation.robot]], where it is and when");

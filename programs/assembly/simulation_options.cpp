@@ -2,9 +2,11 @@
 
 #include <chrono>
 #include <cmath>
+#include <functional>
 
 #include "base/startup_error.h"
 #include "base/units.h"
+#include "config/head_options.h"
 
 namespace ninedot {
 namespace {
@@ -75,6 +77,29 @@ ServoDynamics servo_dynamics(const SimulatedServoConfig& servo, const HeadAxisCo
           .delay = from_ms(servo.delay_ms)};
 }
 
+HeadMount true_mount(const BodyConfig& said, const SimulatedHeadConfig& head) {
+  return {scaled(said.pan_axis_mm, kMetresPerMm), scaled(said.mount_rpy_deg, kRadPerDeg),
+          scaled(head.tilt_axis_mm.value_or(said.tilt_axis_mm), kMetresPerMm),
+          scaled(head.camera_mm.value_or(said.camera_mm), kMetresPerMm),
+          scaled(head.camera_rpy_deg.value_or(said.camera_rpy_deg), kRadPerDeg)};
+}
+
+/// What is told becomes a pulse as [pan_tilt] has it, and the pulse an angle as the head truly has it.
+std::function<HeadAngles(const HeadAngles&)> true_angles(const Config& config) {
+  const SimulatedHeadConfig& head = config.simulation.head;
+  if (head.pan_calibration.empty() && head.tilt_calibration.empty()) return {};
+  const auto truth = [](const std::vector<AxisPoint>& points, const ServoAxis& said) {
+    constexpr double kEndless_us = 1e6;
+    return points.empty() ? said : ServoAxis(points, -kEndless_us, kEndless_us);
+  };
+  const ServoAxes said = servo_axes(config.pan_tilt);
+  return [said, pan = truth(head.pan_calibration, said.pan),
+          tilt = truth(head.tilt_calibration, said.tilt)](const HeadAngles& told) {
+    return HeadAngles{pan.angle_at(said.pan.output_at(told.pan_rad).value),
+                      tilt.angle_at(said.tilt.output_at(told.tilt_rad).value)};
+  };
+}
+
 }  // namespace
 
 CameraModel default_simulated_camera(const CameraConfig& config) {
@@ -100,13 +125,11 @@ SimulationOptions simulation_options(const Config& config, const CameraModel& ca
     options.robot.push_back({point.t_s, kMetresPerMm * Eigen::Vector3d(point.x_mm, point.y_mm, point.z_mm),
                              point.heading_deg * kRadPerDeg});
   for (const HiddenConfig& hidden : simulation.hidden) options.hidden.push_back({hidden.from_s, hidden.to_s});
-  const BodyConfig& body = config.body;
-  options.mount = {scaled(body.pan_axis_mm, kMetresPerMm), scaled(body.mount_rpy_deg, kRadPerDeg),
-                   scaled(body.tilt_axis_mm, kMetresPerMm), scaled(body.camera_mm, kMetresPerMm),
-                   scaled(body.camera_rpy_deg, kRadPerDeg)};
+  options.mount = true_mount(config.body, simulation.head);
   options.pan = servo_dynamics(simulation.servo, config.pan_tilt.pan);
   options.tilt = servo_dynamics(simulation.servo, config.pan_tilt.tilt);
   options.start = {simulation.servo.pan_start_deg * kRadPerDeg, simulation.servo.tilt_start_deg * kRadPerDeg};
+  options.true_angles = true_angles(config);
   options.rate_hz = config.camera.rate_hz;
   options.duration_s = simulation.duration_s;
   options.camera_delay = from_ms(simulation.camera_delay_ms);

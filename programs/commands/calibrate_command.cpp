@@ -11,6 +11,7 @@ void add_calibrate_command(CLI::App& app) {
   group->require_subcommand(1);
   add_calibrate_camera_command(*group);
   add_calibrate_ellipse_command(*group);
+  add_calibrate_pan_tilt_command(*group);
   add_calibrate_rolling_shutter_command(*group);
 }
 

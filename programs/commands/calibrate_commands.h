@@ -8,6 +8,7 @@ namespace ninedot {
 
 void add_calibrate_camera_command(CLI::App& group);
 void add_calibrate_ellipse_command(CLI::App& group);
+void add_calibrate_pan_tilt_command(CLI::App& group);
 void add_calibrate_rolling_shutter_command(CLI::App& group);
 
 }  // namespace ninedot

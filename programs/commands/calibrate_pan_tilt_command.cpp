@@ -1,0 +1,111 @@
+// `ninedot calibrate pan-tilt`: how a head is made and how it tells its angles, from recordings or from the head
+// itself.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/startup_error.h"
+#include "calibrate_head/head_sufficiency.h"
+#include "drivers/posix/output_file.h"
+#include "drivers/posix/signals.h"
+#include "programs/assembly/input_files.h"
+#include "programs/assembly/motion_options.h"
+#include "programs/commands/calibrate_commands.h"
+#include "programs/commands/collect_head_frames.h"
+#include "programs/commands/head_file_text.h"
+#include "programs/commands/live_head.h"
+#include "programs/commands/progress.h"
+
+namespace ninedot {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct PanTiltArguments {
+  std::vector<std::string> recordings;
+  std::string config, camera, out;
+  std::string stops = "7x5";
+};
+
+/// "7x5"
+std::pair<int, int> read_stops(const std::string& text) {
+  constexpr int kLeast = 3, kMost = 25;
+  int columns = 0, rows = 0, end = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%n", &columns, &rows, &end) != 2 || end != static_cast<int>(text.size()) ||
+      std::min(columns, rows) < kLeast || std::max(columns, rows) > kMost)
+    throw StartupError(ExitStatus::kWrongUsage,
+                       fmt::format("--stops {}: write COLUMNSxROWS, {} to {} of each, as 7x5", text, kLeast, kMost));
+  return {columns, rows};
+}
+
+/// Throws StartupError(kWorkFailed) with all of them in one line.
+void refuse(const std::vector<std::string>& lacks) {
+  if (!lacks.empty()) throw StartupError(ExitStatus::kWorkFailed, fmt::format("{}", fmt::join(lacks, "; ")));
+}
+
+HeadCalibration calibrate(const std::vector<HeadFrame>& frames, const LandmarkGeometry& landmark, const Config& config,
+                          const TerminationSignals& signals) {
+  const FoundStops found = find_stops(frames);
+  refuse(what_stops_lack(found));
+  Progress progress;
+  const auto head = calibrate_head(found.stops, landmark, body_geometry(config.body), [&] {
+    progress.show(fmt::format("{} stops: working out the head", found.stops.size()));
+    return signals.wait(0ns) == 0;
+  });
+  progress.clear();
+  if (!head) refuse({"stopped, or nothing explains the stops: nothing was written"});
+  refuse(what_head_lacks(*head));
+  return *head;
+}
+
+void run_pan_tilt(const PanTiltArguments& arguments) {
+  const auto [columns, rows] = read_stops(arguments.stops);
+  const Config config = read_config(arguments.config);
+  const TerminationSignals signals;  // before the first thread
+  OutputFile out(arguments.out);     // before the work, so that a folder that is not there is told at once
+  LandmarkGeometry landmark;
+  std::vector<HeadFrame> frames;
+  std::string source = "a tour of the head";
+  if (arguments.recordings.empty()) {
+    LiveTour tour = tour_live(config, columns, rows, signals, landmark);
+    if (tour.is_interrupted)
+      fmt::print(stderr, "ninedot: interrupted, the head stands: what follows is of the stops until then\n");
+    frames = std::move(tour.frames);
+  } else {
+    frames = collect_head_frames(arguments.recordings, arguments.camera, config, landmark);
+    source = fmt::format("{}", fmt::join(arguments.recordings, ", "));
+  }
+  const HeadCalibration head = calibrate(frames, landmark, config, signals);
+  out.write(head_file_text(head, config, source));
+  out.finish();
+  for (const std::string& line : head_summary(head)) fmt::print(stderr, "{}\n", line);
+}
+
+}  // namespace
+
+void add_calibrate_pan_tilt_command(CLI::App& group) {
+  CLI::App* command = group.add_subcommand(
+      "pan-tilt", "Axes, lengths and tables of a pan/tilt head, from recordings before landmarks that hang still");
+  const auto arguments = std::make_shared<PanTiltArguments>();
+  command->add_option(
+      "RECORDING", arguments->recordings,
+      "folders with frames/ and frames.csv, which has the head's angles; none: the configured head is moved now, "
+      "within min_deg to max_deg");
+  command->add_option("--config", arguments->config, "landmarks, and what is known of the head: [body], [pan_tilt]")
+      ->required();
+  command->add_option("--camera", arguments->camera,
+                      "calibration of the camera; default: the recording's, then the configuration's");
+  command->add_option("--stops", arguments->stops, "without a recording: COLUMNSxROWS of stops; default: 7x5");
+  command->add_option("--out", arguments->out, "file for the sections of the configuration")->required();
+  command->callback([arguments] { run_pan_tilt(*arguments); });
+}
+
+}  // namespace ninedot

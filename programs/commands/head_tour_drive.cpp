@@ -1,0 +1,70 @@
+#include "programs/commands/head_tour_drive.h"
+
+#include <algorithm>
+
+#include "aim/head_kinematics.h"
+#include "base/units.h"
+#include "config/head_options.h"
+#include "programs/commands/collect_head_frames.h"
+
+namespace ninedot {
+HeadTourOptions tour_options(const Config& config, const CameraModel& camera, int columns, int rows) {
+  const AimOptions aim = aim_options(config.pan_tilt);
+  const HeadKinematics view(camera, {});
+  HeadTourOptions options;
+  options.min = {aim.pan.min_rad, aim.tilt.min_rad};
+  options.max = {aim.pan.max_rad, aim.tilt.max_rad};
+  options.start = aim.neutral;
+  options.home = config.pan_tilt.park_at_shutdown ? aim.park : aim.neutral;
+  options.half_width_rad = view.half_width_rad();
+  options.half_height_rad = view.half_height_rad();
+  options.columns = columns, options.rows = rows;
+  return options;
+}
+
+HeadTourDrive::HeadTourDrive(const HeadTourOptions& options, HeadOutput& head) : tour_(options), head_(head) {
+  order();
+}
+
+void HeadTourDrive::order() {
+  is_there_ = false;
+  head_.order({.follow = false, .set_point = tour_.goal(), .number = ++number_});
+}
+
+void HeadTourDrive::take(const Frame& frame, const Fix& fix) {
+  const HeadSnapshot& head = head_.snapshots().take();
+  is_failing_ = head.failed;
+  is_inhibited_ = head.inhibited;
+  told_ = head.track.at(frame.exposed_at());
+  if (is_inhibited_ || is_failing_) {
+    // Nobody knows where it stands, or what it will do next: from the order on anew.
+    if (head.progress == OrderProgress::kFailed || is_there_) order();
+    return;
+  }
+  frames_.push_back(head_frame_of(fix, frame.exposed_at(), told_, 0));
+  if (head.order != number_) return;
+  const bool has_failed = head.progress == OrderProgress::kFailed;  // its pulses end before, or it comes too late
+  is_there_ = head.progress == OrderProgress::kDone;
+  if (!has_failed && !is_there_) return;
+  if (tour_.part() == HeadTour::Part::kHome) {
+    is_over_ = true;
+    return;
+  }
+  if (has_failed) {
+    tour_.skip();
+    order();
+  } else if (tour_.look(direction_in(frames_.back()))) {
+    order();
+  }
+}
+
+/// Of the landmark that was looked at before, as long as it is in sight: where its middle is.
+std::optional<Eigen::Vector2d> HeadTourDrive::direction_in(const HeadFrame& frame) {
+  if (frame.seen.empty()) return std::nullopt;
+  const auto same = std::ranges::find(frame.seen, looked_at_, &LandmarkSighting::id);
+  const LandmarkSighting& sighting = same != frame.seen.end() ? *same : frame.seen.front();
+  looked_at_ = sighting.id;
+  return sighting.T_camera_landmark.translation_m.hnormalized();
+}
+
+}  // namespace ninedot

@@ -1,0 +1,51 @@
+#pragma once
+/// Drives a head along its tour: orders out, pictures in.
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "calibrate_head/head_stops.h"
+#include "calibrate_head/head_tour.h"
+#include "config/config.h"
+#include "outputs/head_output.h"
+#include "pipeline/frame_processor.h"
+
+namespace ninedot {
+
+/// Within the axes' limits, from where the head waits (neutral_deg); left there, or parked where park_at_shutdown says.
+HeadTourOptions tour_options(const Config& config, const CameraModel& camera, int columns, int rows);
+
+/// The head's own thread, or whoever takes its place, moves it meanwhile: HeadOutput::take.
+/// Memory: allocates. Threads: the one that takes the snapshots of `head`.
+class HeadTourDrive {
+ public:
+  /// \param head  follows no landmark; must outlive this
+  HeadTourDrive(const HeadTourOptions& options, HeadOutput& head);
+
+  /// After each picture.
+  void take(const Frame& frame, const Fix& fix);
+
+  bool is_over() const noexcept { return is_over_; }
+  /// The inhibit input keeps the head where it is: the tour waits.
+  bool is_inhibited() const noexcept { return is_inhibited_; }
+  /// The head could not be moved, or does not answer.
+  bool is_failing() const noexcept { return is_failing_; }
+  const HeadTour& tour() const noexcept { return tour_; }
+  const HeadAngles& told() const noexcept { return told_; }  ///< of the last picture
+  const std::vector<HeadFrame>& frames() const noexcept { return frames_; }
+
+ private:
+  void order();
+  std::optional<Eigen::Vector2d> direction_in(const HeadFrame& frame);
+
+  HeadTour tour_;
+  HeadOutput& head_;
+  std::vector<HeadFrame> frames_;
+  HeadAngles told_;
+  std::uint32_t number_ = 0;
+  bool is_there_ = false;  // it stands at the tour's goal
+  std::uint16_t looked_at_ = 0;
+  bool is_over_ = false, is_inhibited_ = false, is_failing_ = false;
+};
+
+}  // namespace ninedot
