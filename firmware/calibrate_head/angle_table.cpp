@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/contract.h"
+#include "base/units.h"
 
 namespace ninedot {
 namespace {
@@ -16,6 +17,8 @@ constexpr std::array<std::size_t, 5> kKnotCounts{2, 3, 4, 6, 9};
 constexpr double kLeastSupport = 1.5;
 constexpr double kBetter = 0.97;
 constexpr std::size_t kFolds = 5;
+/// Stops that are told to be as near as this are one place.
+constexpr double kSamePlace_rad = 0.3 * kRadPerDeg;
 
 /// The values of the knots, and the lag last.
 Eigen::VectorXd fit_values(std::span<const AxisStop> stops, std::span<const double> knots,
@@ -40,31 +43,44 @@ bool are_supported(std::span<const AxisStop> stops, std::span<const double> knot
   return support.minCoeff() >= kLeastSupport;
 }
 
-/// Which fold a stop is left out with: neighbours in different ones.
-std::vector<std::size_t> folds_of(std::span<const AxisStop> stops) {
-  std::vector<std::size_t> order(stops.size()), folds(stops.size());
+/// Which fold a stop is left out with. What a place errs by is alike each time, so that it is left out as a whole;
+/// neighbours in different folds, and the outermost places in none: nothing can foretell those.
+struct Folds {
+  std::vector<std::size_t> of_stop;
+  std::size_t places = 0;
+};
+constexpr std::size_t kNoFold = kFolds;
+
+Folds folds_of(std::span<const AxisStop> stops) {
+  std::vector<std::size_t> order(stops.size()), place(stops.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return stops[i].told_rad; });
-  for (std::size_t k = 0; k < order.size(); ++k) folds[order[k]] = k % kFolds;
+  Folds folds{std::vector<std::size_t>(stops.size(), kNoFold), 0};
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k > 0 && stops[order[k]].told_rad - stops[order[k - 1]].told_rad > kSamePlace_rad) ++folds.places;
+    place[order[k]] = folds.places;
+  }
+  for (std::size_t i = 0; i < stops.size(); ++i)
+    if (place[i] > 0 && place[i] < folds.places) folds.of_stop[i] = place[i] % kFolds;
+  ++folds.places;
   return folds;
 }
 
 /// Root mean square of what stops that were left out differ by from the others' table. [rad]
-double held_out_rad(std::span<const AxisStop> stops, std::span<const double> knots) {
-  const std::vector<std::size_t> folds = folds_of(stops);
-  double sum = 0;
+double held_out_rad(std::span<const AxisStop> stops, const Folds& folds, std::span<const double> knots) {
+  double sum = 0, count = 0;
   for (std::size_t fold = 0; fold < kFolds; ++fold) {
     std::vector<bool> is_used(stops.size());
-    for (std::size_t i = 0; i < stops.size(); ++i) is_used[i] = folds[i] != fold;
+    for (std::size_t i = 0; i < stops.size(); ++i) is_used[i] = folds.of_stop[i] != fold;
     const Eigen::VectorXd values = fit_values(stops, knots, is_used);
     for (std::size_t i = 0; i < stops.size(); ++i) {
       if (is_used[i]) continue;
       const double foretold_rad = knot_weights(knots, stops[i].told_rad).dot(values.head(values.size() - 1)) -
                                   stops[i].side * values(values.size() - 1);
-      sum += (stops[i].angle_rad - foretold_rad) * (stops[i].angle_rad - foretold_rad);
+      sum += (stops[i].angle_rad - foretold_rad) * (stops[i].angle_rad - foretold_rad), ++count;
     }
   }
-  return std::sqrt(sum / static_cast<double>(stops.size()));
+  return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
 }  // namespace
@@ -99,12 +115,14 @@ std::vector<double> even_knots(std::span<const AxisStop> stops, std::size_t coun
 std::vector<double> choose_knots(std::span<const AxisStop> stops) {
   EXPECTS(stops.size() >= 5);
   std::vector<double> chosen = even_knots(stops, 2);
-  double least_rad = held_out_rad(stops, chosen);
+  const Folds folds = folds_of(stops);
+  double least_rad = held_out_rad(stops, folds, chosen);
   for (const std::size_t count : kKnotCounts) {
     if (count == 2) continue;
+    if (2 * count > folds.places + 1) break;  // the play, up here and down there, would bend it
     const std::vector<double> knots = even_knots(stops, count);
     if (!are_supported(stops, knots)) break;
-    const double off_rad = held_out_rad(stops, knots);
+    const double off_rad = held_out_rad(stops, folds, knots);
     if (off_rad > kBetter * least_rad) continue;
     chosen = knots, least_rad = off_rad;
   }

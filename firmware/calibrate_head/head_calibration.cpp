@@ -20,6 +20,8 @@ constexpr int kRobustRounds = 3, kOutlierRounds = 3, kMostSpreadRounds = 12;
 constexpr double kFarOff = 5;
 /// No servo is as good, and no equation is divided by less.
 constexpr double kLeastSpread_rad = 0.001 * kRadPerDeg;
+/// Nor is a smaller deviation worth leaving a stop out for: tables have corners.
+constexpr double kLeastFar_rad = 0.2 * kRadPerDeg;
 /// Robust spreads begin there: with a few stops a median may be 0.
 constexpr double kLeastRobust_rad = 0.02 * kRadPerDeg;
 constexpr double kSettled = 0.02;  // of the spread
@@ -128,8 +130,11 @@ class HeadFitter {
       }
       for (std::size_t i = 0; i < network_.stops.size(); ++i) {
         const HeadAngles tie = tie_of(network_, i);
-        const bool is_near = std::abs(tie.pan_rad) <= kFarOff * network_.pan_spread_rad &&
-                             std::abs(tie.tilt_rad) <= kFarOff * network_.tilt_spread_rad;
+        const auto is_near_to = [](double off_rad, double spread_rad) {
+          return std::abs(off_rad) <= std::max(kLeastFar_rad, kFarOff * spread_rad);
+        };
+        const bool is_near =
+            is_near_to(tie.pan_rad, network_.pan_spread_rad) && is_near_to(tie.tilt_rad, network_.tilt_spread_rad);
         if (is_near || !network_.is_believed[i]) continue;
         network_.is_believed[i] = false, is_changed = true;
       }
@@ -262,15 +267,27 @@ class HeadFitter {
   static void describe_axis(const AngleTable& table, double spread_rad, const Eigen::VectorXd& variances,
                             AxisCalibration& axis) {
     const auto knots = static_cast<Eigen::Index>(table.told_rad.size());
+    double table_rad2 = 0;
     for (Eigen::Index i = 0; i < knots; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      axis.points.push_back({table.told_rad[at], table.angle_rad[at], std::sqrt(variances(i))});
+      const double variance = variances(i) + bend_rad2(table, at);
+      axis.points.push_back({table.told_rad[at], table.angle_rad[at], std::sqrt(variance)});
+      table_rad2 += variance / static_cast<double>(knots);
     }
-    axis.play_rad = 2 * table.lag_rad;
+    // An axis that is told the wrong way round is come to from the other side.
+    const bool is_reversed = table.angle_rad.back() < table.angle_rad.front();
+    axis.play_rad = (is_reversed ? -2 : 2) * table.lag_rad;
     axis.play_sigma_rad = 2 * std::sqrt(variances(knots));
     axis.sees_play = axis.play_sigma_rad > kNeverSeen_rad;
     axis.spread_rad = spread_rad;
-    axis.sigma_rad = std::sqrt(spread_rad * spread_rad + table.lag_rad * table.lag_rad + variances.head(knots).mean());
+    axis.sigma_rad = std::sqrt(spread_rad * spread_rad + table.lag_rad * table.lag_rad + table_rad2);
+  }
+  /// What straight pieces may miss of a curve between knots, h^2 f'' / 8, of which second differences are h^2 f''.
+  static double bend_rad2(const AngleTable& table, std::size_t knot) {
+    if (table.angle_rad.size() < 3) return 0;
+    const std::size_t at = std::clamp<std::size_t>(knot, 1, table.angle_rad.size() - 2);
+    const double bend_rad = (table.angle_rad[at - 1] - 2 * table.angle_rad[at] + table.angle_rad[at + 1]) / 8;
+    return bend_rad * bend_rad;
   }
   /// Where no side is known the lag is held at 0, to less than this.
   static constexpr double kNeverSeen_rad = 1e-8;

@@ -134,15 +134,20 @@ void HeadTour::begin_grid() {
   part_ = Part::kGrid;
   way_.clear();
   next_ = 0;
-  const auto place = [](double low, double high, int i, int count) { return low + (high - low) * i / (count - 1); };
+  // No place twice: what a servo's steps or a bent gear err by at one place would count as if it were new each time. So
+  // rows are shifted against each other, and on the way back they lie between those of the way there.
+  constexpr double kGolden = 0.6180339887498949;  // shifts that never repeat (H. Weyl, Math. Annalen 77 (1916))
+  const double width = high_.pan_rad - low_.pan_rad, height = high_.tilt_rad - low_.tilt_rad;
+  int row = 0;
   for (const bool is_back : {false, true}) {
-    for (int r = 0; r < options_.rows; ++r) {
-      const int row = is_back ? options_.rows - 1 - r : r;
-      const bool is_leftwards = (r % 2 == 0) != is_back;
+    const int rows = is_back ? options_.rows - 1 : options_.rows;
+    for (int r = 0; r < rows; ++r, ++row) {
+      const double up = is_back ? options_.rows - 1.5 - r : r;
+      const double shift = std::fmod(kGolden * (row + 0.5), 1.0);
       for (int c = 0; c < options_.columns; ++c) {
-        const int column = is_leftwards ? c : options_.columns - 1 - c;
-        way_.push_back({place(low_.pan_rad, high_.pan_rad, column, options_.columns),
-                        place(low_.tilt_rad, high_.tilt_rad, row, options_.rows)});
+        const double across = (row % 2 == 0 ? c : options_.columns - 1 - c) + shift;
+        way_.push_back(
+            {low_.pan_rad + width * across / options_.columns, low_.tilt_rad + height * up / (options_.rows - 1)});
       }
     }
   }

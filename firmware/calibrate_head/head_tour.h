@@ -1,10 +1,10 @@
 #pragma once
 /// Where a head goes to be calibrated: it looks for a landmark, finds how far it can turn with one in sight, and makes
-/// stops all over that, each come to from both sides.
+/// stops all over that, to which both axes come from both sides.
 ///
 ///     FIND   directions about where it waits, the nearest first, until one shows a landmark
 ///     REACH  from there to each side, in steps, until none is in sight or the axis's limit is met
-///     GRID   rows and columns within these ends, to and fro, then all of it the other way round
+///     GRID   rows within these ends, to and fro, upwards, and back again between those
 ///     HOME   where it is left
 #include <Eigen/Core>
 #include <array>

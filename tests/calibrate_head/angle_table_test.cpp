@@ -40,5 +40,15 @@ TEST(AngleTable, OfABentAxisHasMore) {
   EXPECT_LT(choose_knots(stops_of(0.003, 0.002, 12)).size(), 5U) << "a dozen stops do not support more";
 }
 
+TEST(AngleTable, DoesNotFollowWhatEachPlaceErrsBy) {
+  // Steps of a servo: at one place the same error each time.
+  std::vector<AxisStop> stops;
+  for (int repeat = 0; repeat < 10; ++repeat)
+    for (int place = 0; place < 9; ++place)
+      stops.push_back(
+          {0.1 * place, 0.1 * place + 0.002 * test::random_normal(5, static_cast<std::uint64_t>(place)), 0});
+  EXPECT_EQ(choose_knots(stops).size(), 2U);
+}
+
 }  // namespace
 }  // namespace ninedot

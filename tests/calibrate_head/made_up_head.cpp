@@ -75,7 +75,8 @@ std::vector<HeadStop> made_up_stops(const MadeUpHeadOptions& options) {
         const int column = side > 0 ? c : options.pan.stops - 1 - c;
         HeadStop stop{0, {told(options.pan, column), told(options.tilt, row)}, side, way, {}};
         const auto stands = [&](const MadeUpAxis& axis, double told_rad, int from) {
-          return axis.true_rad(told_rad) - from * axis.play_rad / 2 + axis.spread_rad * random.normal();
+          return axis.true_rad(told_rad) - std::copysign(from, from * axis.scale) * axis.play_rad / 2 +
+                 axis.spread_rad * random.normal();
         };
         HeadAngles angles{stands(options.pan, stop.told.pan_rad, side), stands(options.tilt, stop.told.tilt_rad, way)};
         const std::size_t number = stops.size() + 1;

@@ -78,7 +78,7 @@ void record_tour(const Config& config, const std::string& folder, int columns, i
   const auto line = std::make_shared<HeadLine>();
   SimulatedCamera source(simulation_options(config, camera, 7), line, clock);
   SimulatedHead servos(line, clock, start_angles(config.pan_tilt));
-  HeadOutput head(camera, aim_options(config.pan_tilt), servos, nullptr, {.follow = false});
+  HeadOutput head(camera, aim_options(config.pan_tilt), servos, nullptr, {false, start_angles(config.pan_tilt)});
   HeadTourDrive drive(tour_options(config, camera, columns, rows), head);
   const auto localiser = make_localiser(camera, localiser_options(config));
   RecordingWriter writer(folder, format_camera(camera, "simulated"));
