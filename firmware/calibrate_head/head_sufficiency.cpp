@@ -39,20 +39,18 @@ void check_travel(const FoundStops& found, const char* name, double HeadAngles::
 }  // namespace
 
 std::vector<std::string> what_stops_lack(const FoundStops& found) {
+  const std::size_t steady = found.stops.size();
+  if (steady + found.unsteady == 0 && found.without_landmark > 0)
+    return {fmt::format(
+        "no landmark in sight at any of {} stops: point the head at one, near enough and whole in the picture",
+        found.without_landmark)};
   const double pan_deg = (found.told_max.pan_rad - found.told_min.pan_rad) * kDegPerRad;
   const double tilt_deg = (found.told_max.tilt_rad - found.told_min.tilt_rad) * kDegPerRad;
   if (pan_deg < kNoTravel_deg && tilt_deg < kNoTravel_deg)
     return {
         "no angles of a head that moves: frames.csv must have its pan_deg and tilt_deg, as `ninedot tap --record` "
         "writes them"};
-  const std::size_t steady = found.stops.size();
-  if (steady + found.unsteady + found.without_landmark == 0)
-    return {"the head never stood: let it stand for a second at each stop"};
-  if (steady + found.unsteady == 0)
-    return {
-        fmt::format("no landmark in sight at any of {} stops: point the head at one, near enough and whole in the "
-                    "picture",
-                    found.without_landmark)};
+  if (steady + found.unsteady == 0) return {"the head never stood: let it stand for a second at each stop"};
   if (found.unsteady > 1 && 4 * found.unsteady > steady + found.unsteady)
     return {
         fmt::format("the landmark moved while the head stood, at {} of {} stops: keep robot and landmark where "

@@ -22,10 +22,11 @@ constexpr double kReachStep = 1.0 / 6, kFindStep = 1.2;
 
 double HeadAngles::*const kAxes[] = {&HeadAngles::pan_rad, &HeadAngles::tilt_rad};
 
+/// The ends too: what is to see beyond them is seen from there.
 std::vector<double> steps_between(double low, double high, double middle, double step) {
   std::vector<double> places{middle};
-  for (double at = middle + step; at <= high; at += step) places.push_back(at);
-  for (double at = middle - step; at >= low; at -= step) places.push_back(at);
+  for (double at = middle; at < high;) places.push_back(at = std::min(high, at + step));
+  for (double at = middle; at > low;) places.push_back(at = std::max(low, at - step));
   return places;
 }
 

@@ -26,26 +26,21 @@ HeadTourDrive::HeadTourDrive(const HeadTourOptions& options, HeadOutput& head) :
   order();
 }
 
-void HeadTourDrive::order() {
-  is_there_ = false;
-  head_.order({.follow = false, .set_point = tour_.goal(), .number = ++number_});
-}
+void HeadTourDrive::order() { head_.order({.follow = false, .set_point = tour_.goal(), .number = ++number_}); }
 
 void HeadTourDrive::take(const Frame& frame, const Fix& fix) {
   const HeadSnapshot& head = head_.snapshots().take();
   is_failing_ = head.failed;
   is_inhibited_ = head.inhibited;
   told_ = head.track.at(frame.exposed_at());
-  if (is_inhibited_ || is_failing_) {
-    // Nobody knows where it stands, or what it will do next: from the order on anew.
-    if (head.progress == OrderProgress::kFailed || is_there_) order();
-    return;
-  }
+  const bool was_held = is_held_;
+  is_held_ = is_inhibited_ || is_failing_;
+  if (is_held_) return;
+  if (was_held) return order();  // what it was told before has failed
   frames_.push_back(head_frame_of(fix, frame.exposed_at(), told_, 0));
   if (head.order != number_) return;
   const bool has_failed = head.progress == OrderProgress::kFailed;  // its pulses end before, or it comes too late
-  is_there_ = head.progress == OrderProgress::kDone;
-  if (!has_failed && !is_there_) return;
+  if (!has_failed && head.progress != OrderProgress::kDone) return;
   if (tour_.part() == HeadTour::Part::kHome) {
     is_over_ = true;
     return;

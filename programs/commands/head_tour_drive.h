@@ -43,9 +43,8 @@ class HeadTourDrive {
   std::vector<HeadFrame> frames_;
   HeadAngles told_;
   std::uint32_t number_ = 0;
-  bool is_there_ = false;  // it stands at the tour's goal
   std::uint16_t looked_at_ = 0;
-  bool is_over_ = false, is_inhibited_ = false, is_failing_ = false;
+  bool is_over_ = false, is_inhibited_ = false, is_failing_ = false, is_held_ = false;
 };
 
 }  // namespace ninedot

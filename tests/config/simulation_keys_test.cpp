@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "config_text.h"
 
 namespace ninedot {
@@ -42,6 +44,24 @@ pan_start_deg = 20
   EXPECT_EQ(simulation.hidden[0].to_s, 2.5);
   EXPECT_EQ(simulation.servo.speed_deg_s, 300);
   EXPECT_EQ(simulation.servo.pan_start_deg, 20);
+}
+
+TEST(SimulationKeys, SayHowTheHeadTrulyIs) {
+  const Config config = parse(R"(
+[simulation.head]
+camera_mm = [1, 2, 3]
+pan_calibration = [[-90, 2100], [90, 900]]
+)");
+  const SimulatedHeadConfig& head = config.simulation.head;
+  EXPECT_FALSE(head.tilt_axis_mm.has_value());
+  ASSERT_TRUE(head.camera_mm.has_value());
+  EXPECT_EQ((*head.camera_mm)[2], 3);
+  ASSERT_EQ(head.pan_calibration.size(), 2U);
+  EXPECT_NEAR(head.pan_calibration[0].angle_rad, -M_PI / 2, 1e-12);
+  EXPECT_EQ(head.pan_calibration[1].output, 900);
+  EXPECT_TRUE(head.tilt_calibration.empty());
+  EXPECT_EQ(error_of("[simulation.head]\ntilt_calibration = [[0, 1500], [10, 1500]]").substr(0, 46),
+            "t.toml:2: 'tilt_calibration' is of no use; wri");
 }
 
 TEST(SimulationKeys, NameTheLineOfWhatIsWrong) {

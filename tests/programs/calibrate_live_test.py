@@ -109,18 +109,27 @@ class CalibrateLive(unittest.TestCase):
             self.assertIn("stops with a landmark in sight", said.splitlines()[-1])
             self.assertFalse(self.out.exists())
 
-    def test_a_terminal_shows_how_far_it_is(self):
+    def test_a_terminal_shows_how_far_it_is_and_ctrl_c_near_the_end_uses_what_there_is(self):
         ours, theirs = pty.openpty()
-        process = subprocess.Popen([BIN / "ninedot", *self.command(SCENARIO)], stderr=theirs)
+        process = subprocess.Popen([BIN / "ninedot", *self.command(SCENARIO, "--stops", "4x3")], stderr=theirs)
         os.close(theirs)
-        said, deadline = b"", time.monotonic() + PATIENCE_S
-        while b"landmark in sight; Ctrl-C stops the head" not in said and time.monotonic() < deadline:
+        said, deadline, seen = "", time.monotonic() + PATIENCE_S, (0, 99)
+        while seen[0] < seen[1] - 3 and time.monotonic() < deadline:
             if select.select([ours], [], [], 1)[0]:
-                said += os.read(ours, 4096)
+                said += os.read(ours, 4096).decode()
+                seen = max((tuple(map(int, pair)) for pair in re.findall(r"stop (\d+) of (\d+)", said)), default=seen)
+        self.assertIn("looking for a landmark: stop 1, pan", said)
+        self.assertIn("landmark in sight; Ctrl-C stops the head", said)
         process.send_signal(signal.SIGINT)
-        process.wait(PATIENCE_S)
+        while select.select([ours], [], [], 10)[0]:
+            try:
+                said += os.read(ours, 4096).decode()
+            except OSError:  # the other end is closed
+                break
+        self.assertEqual(process.wait(PATIENCE_S), 0, said)
         os.close(ours)
-        self.assertIn(b"landmark in sight; Ctrl-C stops the head", said)
+        self.assertIn("interrupted, the head stands: what follows is of the stops until then", said)
+        self.assertIn("[pan_tilt.pan]", self.out.read_text())
 
     def test_no_landmark_is_one_line(self):
         away = SCENARIO.replace("heading_deg = -90", "heading_deg = 90")

@@ -11,6 +11,7 @@
 
 #include "base/units.h"
 #include "calibrate/camera_file.h"
+#include "calibrate_head/head_sufficiency.h"
 #include "config/config_checks.h"
 #include "config/head_options.h"
 #include "drivers/recording/recording_writer.h"
@@ -71,32 +72,51 @@ Config config_of(const std::string& text) {
   return parse_config(text, "scenario.toml", problems);
 }
 
+struct Switch final : DigitalInput {
+  bool is_on = false;
+  bool is_active() const noexcept override { return is_on; }
+};
+
 /// The loop of `ninedot calibrate pan-tilt` without a recording, on a clock that waits for nothing.
-void record_tour(const Config& config, const std::string& folder, int columns, int rows) {
-  const CameraModel camera = read_camera_calibration(config.camera).camera;
-  VirtualClock clock;
-  const auto line = std::make_shared<HeadLine>();
-  SimulatedCamera source(simulation_options(config, camera, 7), line, clock);
-  SimulatedHead servos(line, clock, start_angles(config.pan_tilt));
-  HeadOutput head(camera, aim_options(config.pan_tilt), servos, nullptr, {false, start_angles(config.pan_tilt)});
-  HeadTourDrive drive(tour_options(config, camera, columns, rows), head);
-  const auto localiser = make_localiser(camera, localiser_options(config));
-  RecordingWriter writer(folder, format_camera(camera, "simulated"));
-  const Report nothing;
-  MonoTime now = clock.now();
-  while (!drive.is_over()) {
-    Result<FrameLease> lease = source.next(now + HeadOutput::kPeriod);
-    now = clock.now();
-    ASSERT_TRUE(lease || lease.error().code == Errc::kNoFrame);
+class VirtualTour {
+ public:
+  VirtualTour(const Config& config, int columns, int rows)
+      : camera_(read_camera_calibration(config.camera).camera),
+        source_(simulation_options(config, camera_, 7), line_, clock_),
+        servos_(line_, clock_, start_angles(config.pan_tilt)),
+        head_(camera_, aim_options(config.pan_tilt), servos_, &inhibit, {false, start_angles(config.pan_tilt)}),
+        drive_(tour_options(config, camera_, columns, rows), head_),
+        localiser_(make_localiser(camera_, localiser_options(config))) {}
+
+  /// \param writer  null: nothing is recorded
+  void step(RecordingWriter* writer = nullptr) {
+    Result<FrameLease> lease = source_.next(clock_.now() + HeadOutput::kPeriod);
     if (lease) {
-      drive.take(lease->frame, localiser->process(lease->frame));
-      lease->frame.head = drive.told();
+      drive_.take(lease->frame, localiser_->process(lease->frame));
+      lease->frame.head = drive_.told();
       lease->frame.chroma = {};
-      ASSERT_TRUE(writer.add(*lease));
+      if (writer != nullptr) {
+        EXPECT_TRUE(writer->add(*lease));
+      }
     }
-    head.take(nothing, false, now);
+    head_.take(Report{}, false, clock_.now());
   }
-}
+  const CameraModel& camera() const { return camera_; }
+  const HeadTourDrive& drive() const { return drive_; }
+  HeadAngles commanded() const { return servos_.state().angles; }
+
+  Switch inhibit;
+
+ private:
+  const CameraModel camera_;
+  VirtualClock clock_;
+  const std::shared_ptr<HeadLine> line_ = std::make_shared<HeadLine>();
+  SimulatedCamera source_;
+  SimulatedHead servos_;
+  HeadOutput head_;
+  HeadTourDrive drive_;
+  const std::unique_ptr<FrameProcessor> localiser_;
+};
 
 class CalibratePanTilt : public testing::Test {
  protected:
@@ -120,7 +140,11 @@ class CalibratePanTilt : public testing::Test {
 
 TEST_F(CalibratePanTilt, FindsAHeadOfWhichEveryNumberWasWrong) {
   const std::string config = write("scenario.toml", kScenario);
-  record_tour(config_of(kScenario), walk(), 5, 4);
+  {
+    VirtualTour tour(config_of(kScenario), 5, 4);
+    RecordingWriter writer(walk(), format_camera(tour.camera(), "simulated"));
+    while (!tour.drive().is_over()) tour.step(&writer);
+  }
   const test::TypedOutcome outcome = run({walk(), "--config", config, "--out", out()});
   ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
   SCOPED_TRACE(text_of_out());
@@ -143,6 +167,28 @@ TEST_F(CalibratePanTilt, FindsAHeadOfWhichEveryNumberWasWrong) {
   expect_table(found.pan_tilt.pan.calibration, truth.pan_calibration);
   expect_table(found.pan_tilt.tilt.calibration, truth.tilt_calibration);
   EXPECT_NE(outcome.said.find("landmark, 0 left out"), std::string::npos) << outcome.said;
+}
+
+TEST_F(CalibratePanTilt, StandsWhileTheInhibitInputIsActiveAndGoesOnAfterwards) {
+  VirtualTour tour(config_of(kScenario), 3, 3);
+  while (tour.drive().tour().stops_made() < 3) tour.step();
+  while (tour.drive().told() == tour.drive().tour().goal()) tour.step();  // on its way
+  tour.inhibit.is_on = true;
+  tour.step();
+  const HeadAngles stopped = tour.commanded();
+  const std::size_t made = tour.drive().tour().stops_made();
+  const HeadAngles goal = tour.drive().tour().goal();
+  for (int i = 0; i < 500; ++i) tour.step();
+  EXPECT_TRUE(tour.drive().is_inhibited());
+  EXPECT_EQ(tour.commanded(), stopped);
+  EXPECT_EQ(tour.drive().tour().stops_made(), made);
+  tour.inhibit.is_on = false;
+  for (int i = 0; i < 20; ++i) tour.step();
+  EXPECT_EQ(tour.drive().tour().goal(), goal) << "the stop that it was on its way to is not given up";
+  for (int i = 0; i < 100'000 && !tour.drive().is_over(); ++i) tour.step();
+  EXPECT_TRUE(tour.drive().is_over());
+  EXPECT_EQ(tour.drive().tour().stops_made(), tour.drive().tour().stops_planned());
+  EXPECT_TRUE(what_stops_lack(find_stops(tour.drive().frames())).empty());
 }
 
 TEST_F(CalibratePanTilt, RefusesWithOneLineAndLeavesNothingBehind) {
