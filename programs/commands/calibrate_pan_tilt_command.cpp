@@ -103,7 +103,8 @@ void add_calibrate_pan_tilt_command(CLI::App& group) {
       ->required();
   command->add_option("--camera", arguments->camera,
                       "calibration of the camera; default: the recording's, then the configuration's");
-  command->add_option("--stops", arguments->stops, "without a recording: COLUMNSxROWS of stops; default: 7x5");
+  command->add_option("--stops", arguments->stops,
+                      "without a recording: COLUMNSxROWS of stops, and between the rows again; default: 7x5");
   command->add_option("--out", arguments->out, "file for the sections of the configuration")->required();
   command->callback([arguments] { run_pan_tilt(*arguments); });
 }

@@ -104,9 +104,9 @@ class Tour {
     landmark_ = options.seeker.landmark;
     localiser_ = make_localiser(calibration_.camera, options);
     fmt::print(stderr,
-               "the head will move, within {}: it looks for a landmark, and stops at {} x {} places twice; Ctrl-C "
-               "stops it\n",
-               limits_text(config.pan_tilt), columns, rows);
+               "the head will move, within {}: it looks for a landmark and makes some {} stops before it; Ctrl-C stops "
+               "it\n",
+               limits_text(config.pan_tilt), columns * (2 * rows - 1));
     head_.emplace(config, calibration_.camera, source_.head_line);
     drive_.emplace(tour_options(config, calibration_.camera, columns, rows), head_->output());
   }

@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "base/startup_error.h"
 #include "base/units.h"
 #include "calibrate/camera_file.h"
 #include "calibrate_head/head_sufficiency.h"
@@ -20,6 +21,7 @@
 #include "programs/assembly/open_source.h"
 #include "programs/assembly/simulation_options.h"
 #include "programs/commands/commands.h"
+#include "programs/commands/head_file_text.h"
 #include "programs/commands/head_tour_drive.h"
 #include "tests/programs/typed_command.h"
 #include "tests/recording/temporary_recording.h"
@@ -242,6 +244,70 @@ TEST_F(CalibratePanTilt, MovesNothingWithoutAHeadOrACamera) {
       "[camera]\nsource = \"v4l2\"\ndevice = \"/dev/none\"\nwidth_px = 320\nheight_px = 240\ncalibration = "
       "\"camera.yaml\"\n[pan_tilt]\ndriver = \"simulated\"",
       ExitStatus::kWorkFailed, "/dev/none");
+}
+
+/// An axis that truly turns twice as far as it is told, and a little more below.
+AxisCalibration doubled() {
+  AxisCalibration axis;
+  axis.points = {{-0.4, -0.9, 1e-3}, {0, 0, 0}, {0.4, 0.8, 1e-3}};
+  axis.sees_play = true;
+  return axis;
+}
+
+TEST(HeadFileText, TablesKeepTheCornersOfTheOldOneWithinWhatWasTravelled) {
+  const std::vector<AxisPoint> old{{-1, 1100}, {-0.2, 1400}, {0.002, 1500}, {1, 1900}};
+  const ServoAxis said(old, 900, 2100);
+  const std::vector<AxisPoint> points = corrected_table(doubled(), said, {-1, -0.2, 0.002, 1});
+  ASSERT_EQ(points.size(), 4U) << "both ends, the corner at -0.2, and one of the two that are nearly at 0";
+  EXPECT_NEAR(points[0].angle_rad, -0.9, 1e-9);
+  EXPECT_NEAR(points[0].output, 1325, 1e-9);
+  EXPECT_NEAR(points[1].angle_rad, -0.45, 1e-9);
+  EXPECT_NEAR(points[1].output, 1400, 1e-9);
+  EXPECT_NEAR(points[2].output, 1500, 1e-9);
+  EXPECT_NEAR(points[3].angle_rad, 0.8, 1e-9);
+}
+
+TEST(HeadFileText, TablesOfAReversedAxisStillRiseByAngle) {
+  AxisCalibration axis = doubled();
+  for (TablePoint& point : axis.points) point.angle_rad = -point.angle_rad;
+  const std::vector<AxisPoint> points =
+      corrected_table(axis, ServoAxis(std::vector<AxisPoint>{{-1, 1000}, {1, 2000}}, 900, 2100), {});
+  ASSERT_EQ(points.size(), 3U);
+  EXPECT_LT(points[0].angle_rad, points[2].angle_rad);
+  EXPECT_GT(points[0].output, points[2].output);
+}
+
+TEST(HeadFileText, HasRoomForTheLongestTable) {
+  std::vector<AxisPoint> old;
+  std::vector<double> corners;
+  for (int i = 0; i < 32; ++i) {
+    corners.push_back(-0.35 + 0.022 * i);
+    old.push_back({corners.back(), 1000.0 + 20 * i});
+  }
+  const std::vector<AxisPoint> points = corrected_table(doubled(), ServoAxis(old, 500, 2500), corners);
+  EXPECT_GT(points.size(), 30U);
+  EXPECT_LE(points.size(), ServoAxis::kMaxPoints);
+}
+
+TEST(HeadFileText, IsEmptyWhereTheAxisTurnsBackAndSaysStepsWhereThereAreNoPulses) {
+  AxisCalibration back = doubled();
+  back.points[2].angle_rad = -0.1;
+  EXPECT_TRUE(corrected_table(back, ServoAxis(std::vector<AxisPoint>{{-1, 1000}, {1, 2000}}, 900, 2100), {}).empty());
+  HeadCalibration head;
+  head.pan = head.tilt = doubled();
+  for (TablePoint& point : head.tilt.points) point.told_rad /= 2, point.angle_rad /= 2;
+  const std::string visca =
+      head_file_text(head, config_of("[pan_tilt]\ndriver = \"visca\"\ndevice = \"/dev/ttyS0\"\n"), "x");
+  EXPECT_NE(visca.find("# [deg, steps]"), std::string::npos) << visca;
+  EXPECT_EQ(
+      config_of(visca + "[pan_tilt]\ndriver = \"visca\"\ndevice = \"/dev/ttyS0\"\n").pan_tilt.pan.calibration.size(),
+      3U);
+  const std::string none = head_file_text(head, {}, "x");
+  EXPECT_EQ(none.find("[pan_tilt.pan]"), std::string::npos);
+  EXPECT_EQ(config_of(none).body.camera_mm[0], 0);
+  head.pan = back;
+  EXPECT_THROW(head_file_text(head, config_of("[pan_tilt]\ndriver = \"visca\"\ndevice = \"/dev/ttyS0\"\n"), "x"),
+               StartupError);
 }
 
 }  // namespace
