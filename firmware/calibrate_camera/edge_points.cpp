@@ -173,8 +173,8 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-std::vector<EdgePoint> measure_edges(const SheetView& view, std::span<const ExpectedDisc> expected,
-                                     std::span<const PlaneDisc> discs) {
+MeasuredOutlines measure_edges(const SheetView& view, std::span<const ExpectedDisc> expected,
+                               std::span<const PlaneDisc> discs) {
   std::vector<Stretch> stretches;
   for (const ExpectedDisc& one : expected) add_stretches(view, one.map, one.disc, discs[one.disc], stretches);
   std::vector<double> blurs_px;
@@ -183,16 +183,26 @@ std::vector<EdgePoint> measure_edges(const SheetView& view, std::span<const Expe
       blurs_px.push_back(step->blur_px);
   if (blurs_px.empty()) return {};
   const double blur_px = median(std::move(blurs_px));
-  std::vector<EdgePoint> edges;
+  MeasuredOutlines outlines{{}, blur_px};
   for (const Stretch& stretch : stretches) {
     Step start = start_of(stretch);
     start.blur_px = blur_px;
     const std::optional<Step> step = fit_step(stretch, start, false, view.noise);
     if (!step) continue;
     const double inwards_px = blur_px * blur_px * stretch.curvature_per_px / 2;
-    edges.push_back({stretch.disc, stretch.middle_px + (step->shift_px + inwards_px) * stretch.normal, step->sigma_px});
+    outlines.edges.push_back(
+        {stretch.disc, stretch.middle_px + (step->shift_px + inwards_px) * stretch.normal, step->sigma_px});
   }
-  return edges;
+  return outlines;
+}
+
+std::vector<ExpectedDisc> expected_by_homography(const SheetView& view, std::span<const PlaneDisc> discs) {
+  std::vector<ExpectedDisc> expected;
+  Eigen::Matrix3d H;
+  if (!fit_sheet_map(view.seen, discs, H)) return expected;
+  for (const SeenDisc& seen : view.seen)
+    expected.push_back({seen.disc, map_of_disc(H, discs[seen.disc], seen.centre_px)});
+  return expected;
 }
 
 }  // namespace ninedot

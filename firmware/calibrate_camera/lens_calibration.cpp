@@ -17,8 +17,6 @@
 namespace ninedot {
 namespace {
 
-/// A view with fewer outline stretches says nothing: five dots in the picture's corner have forty.
-constexpr std::size_t kLeastEdges = 24;
 /// Outlines are taken to be off by so much while the lens is rough.
 constexpr double kRoughFloor_px = 1;
 /// Focal lengths to try beside Zhang's, in widths of the picture: from a fisheye to a tele lens.
@@ -72,13 +70,7 @@ class Calibrator {
   void measure_by_homographies() {
     for (SheetView& view : views_) {
       if (!goes_on("outlines")) return;
-      Eigen::Matrix3d H;
-      view.edges.clear();
-      if (!fit_sheet_map(view.seen, discs_, H)) continue;
-      std::vector<ExpectedDisc> expected;
-      for (const SeenDisc& seen : view.seen)
-        expected.push_back({seen.disc, map_of_disc(H, discs_[seen.disc], seen.centre_px)});
-      view.edges = measure_edges(view, expected, discs_);
+      view.edges = measure_edges(view, expected_by_homography(view, discs_), discs_).edges;
     }
     std::erase_if(views_, [](const SheetView& view) { return view.edges.size() < kLeastEdges; });
   }
@@ -100,7 +92,7 @@ class Calibrator {
                               return map(plane_m) + shift_px;
                             }});
       }
-      std::vector<EdgePoint> edges = measure_edges(view, expected, discs_);
+      std::vector<EdgePoint> edges = measure_edges(view, expected, discs_).edges;
       if (edges.size() >= kLeastEdges) view.edges = std::move(edges);
     }
   }

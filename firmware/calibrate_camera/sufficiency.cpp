@@ -5,12 +5,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "calibrate_camera/sheet_attitude.h"
 
 namespace ninedot {
 namespace {
 
 /// Nine parameters and a covariance of them that holds: with fewer the spread between views can't be told.
 constexpr std::size_t kLeastViews = 10;
+/// More views than that are worth little: sigmas fall with the root of their number.
+constexpr std::size_t kGoodViews = 30;
+/// One view of a part of the picture may be the one with a finger before the sheet.
+constexpr int kGoodInPart = 3;
+/// Half of kGoodViews are tilted. From 25 degrees on, which a picture without its lens can't tell from 30; at 45 dots
+/// begin to be narrow.
+constexpr int kGoodTilted = 4;
+constexpr double kTilted_rad = 25 * std::numbers::pi / 180;
+/// What is near shows how lines converge, and its outlines are long.
+constexpr int kGoodNear = 6;
+constexpr double kNear_heights = 1.0 / 3;
 /// A focal length that is wrong by 0.5 % makes a distance wrong by as much: 5 mm of a metre.
 constexpr double kMaxFocalShare = 0.005;
 /// Half a pixel is what a careless calibration has; beyond it the pose's own sigma means nothing.
@@ -25,14 +40,18 @@ std::string number_word(std::size_t number) {
 
 }  // namespace
 
+std::size_t part_of(const Eigen::Vector2d& at_px, int width_px, int height_px) {
+  const int column = std::clamp(static_cast<int>(3 * at_px.x() / width_px), 0, 2);
+  const int row = std::clamp(static_cast<int>(3 * at_px.y() / height_px), 0, 2);
+  return 3 * static_cast<std::size_t>(row) + static_cast<std::size_t>(column);
+}
+
 std::array<int, 9> views_by_part(std::span<const SheetView> views, int width_px, int height_px) {
   std::array<int, 9> counts{};
   for (const SheetView& view : views) {
     std::array<bool, 9> seen{};
     for (const SeenDisc& disc : view.seen) {
-      const int column = std::clamp(static_cast<int>(3 * disc.centre_px.x() / width_px), 0, 2);
-      const int row = std::clamp(static_cast<int>(3 * disc.centre_px.y() / height_px), 0, 2);
-      seen[3 * static_cast<std::size_t>(row) + static_cast<std::size_t>(column)] = true;
+      seen[part_of(disc.centre_px, width_px, height_px)] = true;
     }
     for (std::size_t part = 0; part < seen.size(); ++part) counts[part] += seen[part] ? 1 : 0;
   }
@@ -54,6 +73,32 @@ std::vector<std::string> what_views_lack(std::span<const SheetView> views, std::
     if (counts[part] == 0) empty.push_back(fmt::format("in the {}", kPartNames[part]));
   if (!empty.empty()) lacks.push_back(fmt::format("no views {}: show the sheet there too", fmt::join(empty, ", ")));
   return lacks;
+}
+
+ViewTally tally_of(std::span<const SheetView> views, std::span<const PlaneDisc> discs, int width_px, int height_px) {
+  ViewTally tally{views.size(), views_by_part(views, width_px, height_px), {}, 0};
+  for (const SheetView& view : views) {
+    const std::optional<SheetAttitude> attitude = attitude_of(view.seen, discs, height_px);
+    if (!attitude) continue;
+    if (attitude->height_share >= kNear_heights) ++tally.near;
+    if (attitude->tilt_rad < kTilted_rad) continue;
+    const Eigen::Vector2d away = attitude->away;
+    const bool is_sideways = std::abs(away.x()) > std::abs(away.y());
+    ++tally.tilts[is_sideways ? (away.x() > 0 ? 0 : 1) : (away.y() < 0 ? 2 : 3)];
+  }
+  return tally;
+}
+
+std::vector<std::string> wanted_views(const ViewTally& tally, std::size_t least_views) {
+  std::vector<std::string> wanted;
+  for (std::size_t part = 0; part < tally.parts.size(); ++part)
+    if (tally.parts[part] < kGoodInPart) wanted.emplace_back(kPartNames[part]);
+  for (std::size_t tilt = 0; tilt < tally.tilts.size(); ++tilt)
+    if (tally.tilts[tilt] < kGoodTilted) wanted.emplace_back(kTiltNames[tilt]);
+  if (tally.near < kGoodNear) wanted.emplace_back("nearer");
+  const std::size_t enough = std::max(kGoodViews, least_views);
+  if (wanted.empty() && tally.views < enough) wanted.push_back(fmt::format("{} more", enough - tally.views));
+  return wanted;
 }
 
 std::vector<std::string> what_lens_lacks(const LensCalibration& calibration) {

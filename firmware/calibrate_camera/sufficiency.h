@@ -1,5 +1,6 @@
 #pragma once
 /// Whether views are enough for a calibration, and what is missing where they are not.
+#include <Eigen/Core>
 #include <array>
 #include <span>
 #include <string>
@@ -12,6 +13,8 @@ namespace ninedot {
 /// Nine parts of a picture, row by row.
 inline constexpr std::array<const char*, 9> kPartNames{"upper left", "top",    "upper right", "left", "middle", "right",
                                                        "lower left", "bottom", "lower right"};
+/// Which of them a place belongs to; one beyond the border to the nearest.
+std::size_t part_of(const Eigen::Vector2d& at_px, int width_px, int height_px);
 /// Of how many views a disc's middle lies in each part.
 std::array<int, 9> views_by_part(std::span<const SheetView> views, int width_px, int height_px);
 
@@ -20,6 +23,24 @@ std::array<int, 9> views_by_part(std::span<const SheetView> views, int width_px,
 /// \return  a line each; none: go on
 std::vector<std::string> what_views_lack(std::span<const SheetView> views, std::size_t found, int width_px,
                                          int height_px);
+
+/// As the camera sees them: a sheet that is tilted to the right has its right side furthest away.
+inline constexpr std::array<const char*, 4> kTiltNames{"tilted to the right", "tilted to the left", "tilted upwards",
+                                                       "tilted downwards"};
+
+/// Views, counted by what makes a calibration good.
+struct ViewTally {
+  std::size_t views = 0;       ///< number of them
+  std::array<int, 9> parts{};  ///< as views_by_part
+  std::array<int, kTiltNames.size()> tilts{};
+  int near = 0;  ///< how many show the sheet as large as a third of the picture's height
+};
+ViewTally tally_of(std::span<const SheetView> views, std::span<const PlaneDisc> discs, int width_px, int height_px);
+
+/// Which views would make a calibration good, by name, where what_views_lack says what it can't do without: somebody
+/// who moves the sheet is told these. \param least_views  more than usual, where a lens has told that they are needed
+/// [1] \return  "lower left", "tilted to the right", "nearer"; none: there are enough
+std::vector<std::string> wanted_views(const ViewTally& tally, std::size_t least_views = 0);
 
 /// What the calibration itself says: a focal length or directions too uncertain, views that contradict each other.
 /// \return  a line each; none: it may be used

@@ -17,6 +17,9 @@ class ViewCollection {
   /// \param width_px  of the pictures: views differ when their discs are an eightieth of it apart on average
   explicit ViewCollection(int width_px) : spacing_px_(width_px / 80.0) {}
 
+  /// Whether its discs are elsewhere than in all views that were kept; what the picture shows beside them does not
+  /// count.
+  bool is_new(const SheetView& view) const;
   /// \return  whether it was kept
   bool add(SheetView view);
 
@@ -25,8 +28,6 @@ class ViewCollection {
   const std::vector<SheetView>& views() const noexcept { return views_; }
 
  private:
-  bool is_new(const SheetView& view) const;
-
   double spacing_px_;
   std::size_t found_ = 0;
   std::vector<SheetView> views_;

@@ -19,14 +19,12 @@
 #include "programs/assembly/input_files.h"
 #include "programs/assembly/open_source.h"
 #include "programs/commands/commands.h"
+#include "programs/commands/source_failure.h"
 
 namespace ninedot {
 namespace {
 
 using namespace std::chrono_literals;
-
-/// A camera that gives no picture for so long will give none.
-constexpr auto kPatience = 5s;
 
 struct RecordArguments {
   std::string config, out;
@@ -56,14 +54,6 @@ void show_progress(const RecordArguments& arguments, std::uint64_t count) {
     fmt::print(stderr, "\rframe {}, Ctrl-C ends", count);
 }
 
-/// Why a source that has no more to give ended the recording; throws where that is a failure.
-void check_failure(const OpenedSource& source, const Error& error, MonoTime last_frame_at) {
-  const std::string detail = source.describe_failure != nullptr ? source.describe_failure(*source.frames) : "";
-  if (!detail.empty()) throw StartupError(ExitStatus::kWorkFailed, detail);
-  if (mono_now() - last_frame_at > kPatience)
-    throw StartupError(ExitStatus::kWorkFailed, fmt::format("no frame for {} s: {}", kPatience.count(), error.text));
-}
-
 void run_record(const RecordArguments& arguments) {
   const Config config = read_config(arguments.config);
   const TerminationSignals signals;  // before the first thread
@@ -78,8 +68,9 @@ void run_record(const RecordArguments& arguments) {
     Result<FrameLease> frame = source.frames->next(mono_now() + 200ms);
     if (!frame) {
       if (frame.error().code == Errc::kEndOfStream) break;
-      check_failure(source, frame.error(), last_frame_at);
-      continue;
+      const std::string failure = why_source_failed(source, frame.error(), last_frame_at);
+      if (failure.empty()) continue;
+      throw StartupError(ExitStatus::kWorkFailed, failure);
     }
     last_frame_at = mono_now();
     lost += frame->dropped_before;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/mono_time.h"
+#include "programs/display/redrawn_lines.h"
 #include "proto/register_codec.h"
 
 namespace ninedot {
@@ -24,21 +25,17 @@ class LiveDisplay {
   void show(const RegisterReader& registers, std::span<const std::string> clients, MonoTime now);
 
   /// Nobody will see it any more: the pipe's other end is closed, the disk is full.
-  bool is_broken() const noexcept { return is_broken_; }
+  bool is_broken() const noexcept { return lines_.is_broken(); }
 
   /// Takes the table off the terminal, so that a log line can be written; the next `show` draws it again.
   void make_room();
 
  private:
-  void draw(const RegisterReader& registers, std::span<const std::string> clients);
-  bool fits(std::size_t lines) const noexcept;
-  void print(std::string_view text);
+  std::string table(const RegisterReader& registers, std::span<const std::string> clients) const;
 
-  std::FILE* out_;
+  RedrawnLines lines_;
   std::vector<std::string> footer_;
-  bool terminal_;
-  bool is_broken_ = false;
-  std::size_t drawn_lines_ = 0;
+  bool draws_;  ///< a table; else plain lines
   MonoTime shown_at_{};
 };
 

@@ -8,15 +8,19 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/startup_error.h"
 #include "calibrate_camera/lens_uncertainty.h"
+#include "calibrate_camera/sufficiency.h"
 #include "drivers/picture/picture_file.h"
 #include "programs/assembly/input_files.h"
 #include "programs/commands/collect_views.h"
 #include "programs/commands/commands.h"
+#include "programs/commands/live_views.h"
 #include "tests/calibrate_camera/lens_scene.h"
 #include "tests/programs/typed_command.h"
 #include "tests/support/random.h"
@@ -184,6 +188,109 @@ TEST_F(CalibrateCameraCommandLine, KeepsWhatItHasWhenItsSearchIsStopped) {
   EXPECT_GE(views.pictures, 5U);  // asked while it waits for the reader too
   EXPECT_LE(views.pictures, 12U);
   EXPECT_GE(views.views.views().size() + 4, views.pictures);
+}
+
+/// Poses of which each brings something that is wanted, until nothing is.
+std::vector<test::Picture> wanted_pictures() {
+  const std::vector<PlaneDisc> discs = discs_of(LandmarkGeometry{});
+  std::vector<SheetView> views;
+  std::vector<test::Picture> made;
+  for (std::uint64_t i = 0; !wanted_views(tally_of(views, discs, 640, 480)).empty(); ++i) {
+    const test::CameraPose pose = test::held_pose(kTruth, {}, 78, i);
+    views.push_back(test::perfect_view(kTruth, pose, discs, 0, i));
+    const bool is_whole = views.back().seen.size() == kDotCount;
+    if (is_whole) made.push_back(test::held_picture(kTruth, pose, test::nine_dot_sheet(), i));
+    if (!is_whole) views.pop_back();
+  }
+  return made;
+}
+
+class CalibrateCameraLive : public CalibrateCameraCommandLine {
+ protected:
+  /// Each picture three times, as a camera sees a sheet that is held still.
+  std::string config_of_camera(const std::vector<test::Picture>& pictures) {
+    std::vector<test::Picture> frames;
+    for (const test::Picture& picture : pictures) frames.insert(frames.end(), 3, picture);
+    record("camera", frames);
+    return config("[camera]\nsource = \"recording\"\ndevice = \"" + path("camera") + "\"\n");
+  }
+  std::string config(const std::string& text) {
+    std::ofstream(folder_ / "c.toml") << text;
+    return path("c.toml");
+  }
+};
+
+TEST_F(CalibrateCameraLive, EndsByItselfWhenThereIsEnough) {
+  std::vector<test::Picture> pictures = wanted_pictures();
+  pictures.insert(pictures.end(), 20, pictures.back());
+  const test::TypedOutcome outcome = type({"--config", config_of_camera(pictures), "--keep", path("out/kept")});
+  EXPECT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
+  EXPECT_NE(outcome.said.find("views; wanted: nothing\n"), std::string::npos) << outcome.said;
+  EXPECT_NE(outcome.said.find("the views are kept in " + path("out/kept")), std::string::npos);
+  EXPECT_LT(direction_differences(kTruth, read_camera_file(path("out/camera.yaml"))).median_px(), 0.04);
+  const auto kept = std::distance(fs::directory_iterator(folder_ / "out/kept/frames"), {});
+  EXPECT_GE(kept, 30);
+  EXPECT_LE(kept, static_cast<std::ptrdiff_t>(pictures.size()));
+}
+
+TEST_F(CalibrateCameraLive, SaysWhatIsMissingWhenTheSourceEndsAndKeepsWhatItHas) {
+  const std::vector<test::Picture> few(pictures().begin(), pictures().begin() + 4);
+  const test::TypedOutcome outcome = type({"--config", config_of_camera(few)});
+  test::expect_refusal(outcome, ExitStatus::kWorkFailed, "four views are too few");
+  test::expect_refusal(outcome, ExitStatus::kWorkFailed,
+                       "; the views until then are kept in " + path("out/camera-views"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "out/camera-views/frames"), {}), 4);
+  EXPECT_FALSE(fs::exists(folder_ / "out/camera.yaml"));
+  test::expect_refusal(type({path("out/camera-views")}), ExitStatus::kWorkFailed, "four views are too few");
+}
+
+TEST_F(CalibrateCameraLive, RefusesWhatItCanNotStartFrom) {
+  fails(ExitStatus::kWrongUsage, {}, "give recordings of a sheet, or --config FILE");
+  fails(ExitStatus::kWrongUsage, {"--config", config("[pose]\nsolver = \"full\"\n")}, "camera.device is missing");
+  fails(ExitStatus::kWrongUsage, {"--config", config("[camera]\nsource = \"v4l2\"\ndevice = \"/dev/no-camera\"\n")},
+        "/dev/no-camera: no such camera");
+  record("walk", {pictures().front()});
+  fails(ExitStatus::kWrongUsage, {path("walk"), "--keep", path("out/kept")}, "--keep is for a camera's views");
+  fails(ExitStatus::kWrongUsage, {path("walk"), "--config", config(""), "--grid", "9x7@25"}, "need no --config");
+  const std::string camera = config_of_camera({pictures().front()});
+  fails(ExitStatus::kWrongUsage, {"--config", camera, "--keep", path("walk")}, "not empty");
+  const test::Picture grey{640, 480, std::vector<std::uint8_t>(640 * 480, 128)};
+  fs::remove_all(folder_ / "camera");
+  fails(ExitStatus::kWorkFailed, {"--config", config_of_camera({grey})}, "no landmark in any of 3 pictures");
+}
+
+/// A camera that gives some frames and is gone.
+class VanishingCamera final : public FrameSource {
+ public:
+  explicit VanishingCamera(const test::Picture& picture) : picture_(picture) {}
+  Result<FrameLease> next(MonoTime /*deadline*/) noexcept override {
+    if (++asked_ > 5) return tl::unexpected(Error{Errc::kCameraLost, 0, "the camera is gone"});
+    FrameLease lease;
+    lease.frame.luma = picture_.view();
+    return lease;
+  }
+
+ private:
+  const test::Picture& picture_;
+  int asked_ = 0;
+};
+
+TEST_F(CalibrateCameraLive, TellsThatTheCameraIsGoneAndKeepsWhatItHas) {
+  OpenedSource source;
+  source.frames = std::make_unique<VanishingCamera>(pictures().front());
+  source.describe_failure = [](const FrameSource&) { return std::string("the camera is gone"); };
+  CalibrationTarget target;
+  target.discs = discs_of(target.landmark);
+  LiveViews live(source, target,
+                 {640, 480, path("out/kept"), [] { return false; }, [](auto) { return std::optional<CameraModel>(); }});
+  try {
+    live.gather();
+    FAIL() << "a camera that is gone gives no views";
+  } catch (const StartupError& error) {
+    EXPECT_EQ(error.status, ExitStatus::kWorkFailed);
+    EXPECT_EQ(error.what(), "the camera is gone; the views until then are kept in " + path("out/kept"));
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "out/kept/frames/000000.png"));
 }
 
 }  // namespace

@@ -1,0 +1,78 @@
+#include "programs/commands/calibration_output.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "calibrate/camera_file_text.h"
+#include "drawing/calibration_picture.h"
+
+namespace ninedot {
+
+std::string summary_of(const LensCalibration& result) {
+  const CameraModel& camera = result.fit.camera;
+  const Eigen::VectorXd sigmas = result.covariance.matrix.diagonal().cwiseSqrt();
+  return fmt::format(
+      "{}: fx {:.2f} +- {:.2g}, fy {:.2f} +- {:.2g}, centre {:.2f} +- {:.2g}, {:.2f} +- {:.2g} px; directions to "
+      "{:.2g} "
+      "px, {:.2g} px at worst; {} views, outlines off by {:.2g} px",
+      name_of(camera.model), camera.fx_px, sigmas(0), camera.fy_px, sigmas(1), camera.cx_px, sigmas(2), camera.cy_px,
+      sigmas(3), result.directions.median_px(), result.directions.max_px(), result.views.size(), result.rms_px);
+}
+
+std::vector<std::string> model_lines(const LensCalibration& result, bool is_forced) {
+  if (is_forced) return {fmt::format("{}, as --model asks", name_of(result.fit.camera.model))};
+  std::vector<std::string> lines;
+  for (const TriedModel& tried : result.tried)
+    lines.push_back(std::isfinite(tried.held_out_px)
+                        ? fmt::format("{}: {:.4f} px rms in views that it was not fitted to", name_of(tried.model),
+                                      tried.held_out_px)
+                        : fmt::format("{}: fits the views nowhere", name_of(tried.model)));
+  lines.push_back(fmt::format("{} is the simplest that the views support", name_of(result.fit.camera.model)));
+  return lines;
+}
+
+std::string camera_file_of(const LensCalibration& result, const std::string& name, const std::string& lens,
+                           bool is_forced) {
+  CalibrationNotes notes;
+  notes.date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::chrono::system_clock::now()));
+  notes.lens = lens;
+  notes.views = result.views.size();
+  notes.rms_px = result.rms_px;
+  notes.direction_sigma_px = result.directions.median_px();
+  notes.direction_sigma_max_px = result.directions.max_px();
+  notes.covariance = result.covariance.matrix;
+  notes.comments = {
+      "Made by `ninedot calibrate camera`, in the form of ROS camera_info: pixels, and pixel centres at "
+      "whole numbers.",
+      summary_of(result)};
+  for (const std::string& line : model_lines(result, is_forced)) notes.comments.push_back(line);
+  return format_calibrated_camera(result.fit.camera, name, notes);
+}
+
+std::string picture_of(const LensCalibration& result, std::span<const PlaneDisc> discs) {
+  CalibrationDrawing drawing{
+      result.fit.camera.width_px,
+      result.fit.camera.height_px,
+      {},
+      {},
+      DirectionErrors::kColumns,
+      DirectionErrors::kRows,
+      result.directions.sigma_px,
+      fmt::format("{}, {} views: directions known to {:.2g} px, {:.2g} px at worst", name_of(result.fit.camera.model),
+                  result.views.size(), result.directions.median_px(), result.directions.max_px())};
+  for (std::size_t i = 0; i < result.views.size(); ++i) {
+    const SheetView& view = result.views[i];
+    drawing.disc_centres.emplace_back();
+    for (const SeenDisc& seen : view.seen) drawing.disc_centres.back().push_back(seen.centre_px);
+    const std::vector<double> off_px = edge_residuals_px(result.fit.camera, discs, view, result.fit.views[i]);
+    for (std::size_t e = 0; e < off_px.size(); ++e)
+      if (std::abs(off_px[e]) < 5 * total_sigma_px(view.edges[e], result.fit.floor_px))
+        drawing.residuals.push_back({view.edges[e].at_px, off_px[e]});
+  }
+  return draw_calibration(drawing);
+}
+
+}  // namespace ninedot

@@ -1,0 +1,24 @@
+#pragma once
+/// What `ninedot calibrate camera` writes and says of a lens that it has found.
+#include <span>
+#include <string>
+#include <vector>
+
+#include "calibrate_camera/lens_calibration.h"
+
+namespace ninedot {
+
+/// "plumb_bob: fx 612.31 +- 0.05, ...".
+std::string summary_of(const LensCalibration& result);
+
+/// What became of the lens models, a line each. \param is_forced  by --model
+std::vector<std::string> model_lines(const LensCalibration& result, bool is_forced);
+
+/// The text of camera.yaml, of today. \param name  as ROS has it \param lens  what a person calls it; may be empty
+std::string camera_file_of(const LensCalibration& result, const std::string& name, const std::string& lens,
+                           bool is_forced);
+
+/// SVG: coverage, residuals, expected errors of directions. \param discs  of the sheet
+std::string picture_of(const LensCalibration& result, std::span<const PlaneDisc> discs);
+
+}  // namespace ninedot

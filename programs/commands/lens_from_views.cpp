@@ -1,0 +1,106 @@
+#include "programs/commands/lens_from_views.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <chrono>
+#include <utility>
+
+#include "base/startup_error.h"
+#include "calibrate_camera/sufficiency.h"
+
+namespace ninedot {
+
+using namespace std::chrono_literals;
+
+LensFromViews::LensFromViews(CalibrationTarget target, const LensCalibrationOptions& lens,
+                             const TerminationSignals& signals)
+    : target_(std::move(target)), options_(lens), signals_(signals) {
+  options_.go_on = [this](std::string_view what) {
+    progress_.show(what);
+    stopped_ = stopped_ || signals_.wait(0ns) != 0;
+    return !stopped_;
+  };
+}
+
+LensCalibration LensFromViews::of_recordings(const CalibrationPictures& pictures) {
+  CollectedViews collected = collect(pictures, usual_camera(options_.width_px, options_.height_px));
+  // A lens that bends much hides the landmark from a search that knows nothing of it: once more, with what is known.
+  if (!target_.grid && !gathering_stopped_ && collected.views.found() < collected.pictures) {
+    if (const std::optional<CameraModel> lens = rough_lens(collected.views.views())) {
+      CollectedViews again = collect(pictures, *lens);
+      if (again.views.found() > collected.views.found()) collected = std::move(again);
+    }
+  }
+  check_views(collected.views.views(), collected.views.found(), collected.pictures);
+  LensCalibration result = calibrate(collected.views.views());
+  if (const std::vector<std::string> lacks = what_lens_lacks(result); !lacks.empty()) give_up_for(lacks);
+  progress_.clear();
+  return result;
+}
+
+LensCalibration LensFromViews::of_camera(const OpenedSource& source, const std::string& keep) {
+  LiveViewsOptions how{options_.width_px, options_.height_px, keep, [this] { return is_gathering_stopped(); },
+                       [this](std::span<const SheetView> views) { return rough_lens(views); }};
+  LiveViews live(source, target_, std::move(how));
+  for (;;) {
+    const LiveViews::End end = live.gather();
+    kept_ = live.where_kept();
+    check_views(live.views().views(), live.views().found(), live.pictures());
+    LensCalibration result = calibrate(live.views().views());
+    progress_.clear();
+    std::vector<std::string> lacks = what_lens_lacks(result);
+    if (lacks.empty()) return result;
+    if (end != LiveViews::End::kEnough) give_up_for(lacks);
+    live.want_more(std::move(lacks));
+  }
+}
+
+CollectedViews LensFromViews::collect(const CalibrationPictures& pictures, const CameraModel& lens) {
+  return collect_views(pictures, *target_.finder(lens), target_.discs, [this](const std::string& what) {
+    progress_.show(what + ", Ctrl-C ends the search");
+    return !is_gathering_stopped();
+  });
+}
+
+void LensFromViews::check_views(std::span<const SheetView> views, std::size_t found, std::size_t pictures) {
+  if (found == 0 && gathering_stopped_) give_up("stopped before the first view: nothing was written");
+  if (found == 0)
+    give_up(fmt::format("no {} in any of {} pictures: is it the right sheet, near enough and whole in the picture?",
+                        target_.name(), pictures));
+  const std::vector<std::string> lacks = what_views_lack(views, found, options_.width_px, options_.height_px);
+  if (!lacks.empty()) give_up_for(lacks);
+}
+
+LensCalibration LensFromViews::calibrate(std::span<const SheetView> views) {
+  if (auto result = calibrate_lens(target_.discs, {views.begin(), views.end()}, options_)) return std::move(*result);
+  if (stopped_) give_up("stopped: nothing was written");
+  give_up("no lens explains the views: tilt the sheet by 30 to 45 degrees in a part of them, to all sides");
+}
+
+std::optional<CameraModel> LensFromViews::rough_lens(std::span<const SheetView> views) {
+  LensCalibrationOptions rough = options_;
+  rough.rough = true;
+  rough.go_on = [this](std::string_view what) {
+    progress_.show(what);
+    return !is_gathering_stopped();
+  };
+  const auto lens = calibrate_lens(target_.discs, {views.begin(), views.end()}, rough);
+  return lens ? std::optional(lens->fit.camera) : std::nullopt;
+}
+
+bool LensFromViews::is_gathering_stopped() {
+  gathering_stopped_ = gathering_stopped_ || signals_.wait(0ns) != 0;
+  return gathering_stopped_;
+}
+
+void LensFromViews::give_up(const std::string& what) {
+  progress_.clear();
+  throw StartupError(ExitStatus::kWorkFailed, what + kept_);
+}
+
+void LensFromViews::give_up_for(const std::vector<std::string>& lacks) {
+  give_up(fmt::format("{}{}", gathering_stopped_ ? "stopped too early: " : "", fmt::join(lacks, "; ")));
+}
+
+}  // namespace ninedot

@@ -1,0 +1,50 @@
+#pragma once
+/// The work of `ninedot calibrate camera`: from pictures to a lens, or to what they lack.
+#include <string>
+#include <vector>
+
+#include "calibrate_camera/lens_calibration.h"
+#include "drivers/posix/signals.h"
+#include "programs/commands/calibration_target.h"
+#include "programs/commands/collect_views.h"
+#include "programs/commands/live_views.h"
+#include "programs/commands/progress.h"
+
+namespace ninedot {
+
+/// Shows on a terminal how far it is. The first of the signals ends the looking for views, and those that there are are
+/// used; the second ends it all. Threads: one caller.
+///
+/// Both ways throw StartupError(kWorkFailed), one line: what is missing, or that it was stopped.
+class LensFromViews {
+ public:
+  /// \param lens  size, and perhaps model and guess \param signals  made before the first thread; outlives this
+  LensFromViews(CalibrationTarget target, const LensCalibrationOptions& lens, const TerminationSignals& signals);
+
+  /// Throws also what collect_views throws.
+  LensCalibration of_recordings(const CalibrationPictures& pictures);
+
+  /// Looks until there are enough views for a lens that lacks nothing, or until the source or a signal ends it.
+  /// \param keep  as LiveViewsOptions has it
+  LensCalibration of_camera(const OpenedSource& source, const std::string& keep);
+
+  const CalibrationTarget& target() const noexcept { return target_; }
+
+ private:
+  CollectedViews collect(const CalibrationPictures& pictures, const CameraModel& lens);
+  void check_views(std::span<const SheetView> views, std::size_t found, std::size_t pictures);
+  LensCalibration calibrate(std::span<const SheetView> views);
+  std::optional<CameraModel> rough_lens(std::span<const SheetView> views);
+  bool is_gathering_stopped();
+  [[noreturn]] void give_up(const std::string& what);
+  [[noreturn]] void give_up_for(const std::vector<std::string>& lacks);
+
+  CalibrationTarget target_;
+  LensCalibrationOptions options_;
+  const TerminationSignals& signals_;
+  Progress progress_;
+  bool gathering_stopped_ = false, stopped_ = false;
+  std::string kept_;  ///< as LiveViews::where_kept has it
+};
+
+}  // namespace ninedot

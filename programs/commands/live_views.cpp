@@ -1,0 +1,138 @@
+#include "programs/commands/live_views.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <utility>
+
+#include "base/startup_error.h"
+#include "programs/commands/source_failure.h"
+
+namespace ninedot {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kTablePeriod = 100ms;
+/// The lens is learned from so many views, and again from twice as many: near enough to search with, no more.
+constexpr std::size_t kLearnFrom = 8, kLearnAgain = 16;
+/// So many more when the lens lacks something: a third of what is gathered at first.
+constexpr std::size_t kMoreViews = 10;
+
+/// By the lens that is known by now; where that shows nothing, as before it was.
+class EitherFinder final : public SheetFinder {
+ public:
+  EitherFinder(std::unique_ptr<SheetFinder> first, std::unique_ptr<SheetFinder> second)
+      : first_(std::move(first)), second_(std::move(second)) {}
+  std::vector<SeenDisc> find(const ImageView& luma) override {
+    std::vector<SeenDisc> seen = first_->find(luma);
+    return seen.empty() ? second_->find(luma) : seen;
+  }
+
+ private:
+  std::unique_ptr<SheetFinder> first_, second_;
+};
+
+Eigen::Vector2d middle_px(std::span<const SeenDisc> seen) {
+  Eigen::Vector2d sum_px{0, 0};
+  for (const SeenDisc& disc : seen) sum_px += disc.centre_px;
+  return sum_px / static_cast<double>(seen.size());
+}
+
+}  // namespace
+
+LiveViews::LiveViews(const OpenedSource& source, const CalibrationTarget& target, LiveViewsOptions options)
+    : source_(source),
+      target_(target),
+      options_(std::move(options)),
+      finder_(target.finder(usual_camera(options_.width_px, options_.height_px))),
+      gatherer_(options_.width_px, target.discs),
+      lines_(STDERR_FILENO) {
+  if (!options_.keep.empty()) writer_.emplace(options_.keep, "");
+}
+
+LiveViews::End LiveViews::gather() {
+  MonoTime last_frame_at = mono_now();
+  tell(Looked::kNoSheet);
+  for (;;) {
+    if (options_.is_stopped()) break;
+    Result<FrameLease> lease = source_.frames->next(mono_now() + 200ms);
+    if (lease) {
+      last_frame_at = mono_now();
+      look_at(*lease);
+      if (!wanted_.empty()) continue;
+      lines_.make_room();
+      return End::kEnough;
+    }
+    if (lease.error().code == Errc::kEndOfStream) break;
+    const std::string failure = why_source_failed(source_, lease.error(), last_frame_at);
+    if (failure.empty()) continue;
+    lines_.make_room();
+    throw StartupError(ExitStatus::kWorkFailed, failure + where_kept());
+  }
+  lines_.make_room();
+  return options_.is_stopped() ? End::kStopped : End::kSourceEnded;
+}
+
+void LiveViews::want_more(std::vector<std::string> lens_lacks) {
+  lens_lacks_ = std::move(lens_lacks);
+  enough_views_ = gatherer_.views().size() + kMoreViews;
+}
+
+void LiveViews::look_at(FrameLease& lease) {
+  ++pictures_;
+  const Looked looked = gatherer_.look(*finder_, lease.frame.luma);
+  if (looked == Looked::kTaken) {
+    keep(lease);
+    learn_lens();
+  }
+  tell(looked);
+}
+
+void LiveViews::keep(FrameLease& lease) {
+  if (!writer_) return;
+  lease.frame.chroma = {};   // a lens needs no colour
+  lease.dropped_before = 0;  // views are chosen: what lies between them is no loss
+  if (const Result<std::uint64_t> number = writer_->add(lease); !number)
+    throw StartupError(ExitStatus::kWorkFailed,
+                       fmt::format("{}: {}{}", options_.keep, std::strerror(number.error().os_errno), where_kept()));
+}
+
+void LiveViews::learn_lens() {
+  const std::size_t views = gatherer_.views().size();
+  if (target_.grid || (views != kLearnFrom && views != kLearnAgain) || views == lens_of_) return;
+  lens_of_ = views;
+  if (const std::optional<CameraModel> lens = options_.rough_lens(gatherer_.views()))
+    finder_ = std::make_unique<EitherFinder>(target_.finder(*lens),
+                                             target_.finder(usual_camera(options_.width_px, options_.height_px)));
+}
+
+std::string LiveViews::where_kept() const {
+  if (!writer_ || writer_->frame_count() == 0) return {};
+  return fmt::format("; the views until then are kept in {}", options_.keep);
+}
+
+GatheringState LiveViews::state(Looked looked) const {
+  GatheringState state;
+  state.tally = tally_of(gatherer_.views(), target_.discs, options_.width_px, options_.height_px);
+  state.wanted = wanted_;
+  state.lens_lacks = lens_lacks_;
+  state.looked = looked;
+  if (!gatherer_.newest().empty())
+    state.part = part_of(middle_px(gatherer_.newest()), options_.width_px, options_.height_px);
+  return state;
+}
+
+void LiveViews::tell(Looked looked) {
+  const bool is_news = looked == Looked::kTaken || shown_at_ == MonoTime{};
+  const bool is_due = is_news || (lines_.is_terminal() && mono_now() - shown_at_ >= kTablePeriod);
+  if (!is_due) return;
+  shown_at_ = mono_now();
+  GatheringState now = state(looked);
+  now.wanted = wanted_ = wanted_views(now.tally, enough_views_);
+  if (lines_.is_terminal() && lines_.draw(gathering_table(now))) return;
+  if (is_news) lines_.print(gathering_line(now) + "\n");
+}
+
+}  // namespace ninedot
