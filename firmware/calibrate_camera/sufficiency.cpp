@@ -15,12 +15,8 @@ namespace {
 
 /// Nine parameters and a covariance of them that holds: with fewer the spread between views can't be told.
 constexpr std::size_t kLeastViews = 10;
-/// More views than that are worth little: sigmas fall with the root of their number.
-constexpr std::size_t kGoodViews = 30;
-/// One view of a part of the picture may be the one with a finger before the sheet.
-constexpr int kGoodInPart = 3;
-/// Half of kGoodViews are tilted. From 25 degrees on, which a picture without its lens can't tell from 30; at 45 dots
-/// begin to be narrow.
+/// Half of ViewGoals::views are tilted. From 25 degrees on, which a picture without its lens can't tell from 30; at 45
+/// dots begin to be narrow.
 constexpr int kGoodTilted = 4;
 constexpr double kTilted_rad = 25 * std::numbers::pi / 180;
 /// What is near shows how lines converge, and its outlines are long.
@@ -30,12 +26,25 @@ constexpr double kNear_heights = 1.0 / 3;
 constexpr double kMaxFocalShare = 0.005;
 /// Half a pixel is what a careless calibration has; beyond it the pose's own sigma means nothing.
 constexpr double kMaxDirection_px = 0.5, kMaxPartDirection_px = 1;
+/// A tenth of a pixel at f = 600 px is 0.17 mm at a metre: what a landmark's own outlines allow at best.
+constexpr double kGoodDirection_px = 0.1;
 /// Outlines that lie so far from any lens's: the sheet is bent, or its dots are elsewhere than is said.
 constexpr double kMaxUnexplained_px = 0.7;
 
 std::string number_word(std::size_t number) {
   constexpr const char* kWords[] = {"no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"};
   return number < std::size(kWords) ? kWords[number] : std::to_string(number);
+}
+
+/// The smallest first.
+std::vector<double> sigmas_of_part(const DirectionErrors& directions, std::size_t part) {
+  const auto column = static_cast<int>(part % 3), row = static_cast<int>(part / 3);
+  std::vector<double> sigmas_px;
+  for (int y = row * DirectionErrors::kRows / 3; y < (row + 1) * DirectionErrors::kRows / 3; ++y)
+    for (int x = column * DirectionErrors::kColumns / 3; x < (column + 1) * DirectionErrors::kColumns / 3; ++x)
+      sigmas_px.push_back(directions.at(x, y));
+  std::ranges::sort(sigmas_px);
+  return sigmas_px;
 }
 
 }  // namespace
@@ -89,15 +98,14 @@ ViewTally tally_of(std::span<const SheetView> views, std::span<const PlaneDisc> 
   return tally;
 }
 
-std::vector<std::string> wanted_views(const ViewTally& tally, std::size_t least_views) {
+std::vector<std::string> wanted_views(const ViewTally& tally, const ViewGoals& goals) {
   std::vector<std::string> wanted;
   for (std::size_t part = 0; part < tally.parts.size(); ++part)
-    if (tally.parts[part] < kGoodInPart) wanted.emplace_back(kPartNames[part]);
+    if (tally.parts[part] < goals.parts[part]) wanted.emplace_back(kPartNames[part]);
   for (std::size_t tilt = 0; tilt < tally.tilts.size(); ++tilt)
     if (tally.tilts[tilt] < kGoodTilted) wanted.emplace_back(kTiltNames[tilt]);
   if (tally.near < kGoodNear) wanted.emplace_back("nearer");
-  const std::size_t enough = std::max(kGoodViews, least_views);
-  if (wanted.empty() && tally.views < enough) wanted.push_back(fmt::format("{} more", enough - tally.views));
+  if (wanted.empty() && tally.views < goals.views) wanted.push_back(fmt::format("{} more", goals.views - tally.views));
   return wanted;
 }
 
@@ -115,12 +123,7 @@ std::vector<std::string> what_lens_lacks(const LensCalibration& calibration) {
   const DirectionErrors& directions = calibration.directions;
   bool is_part_named = false;
   for (std::size_t part = 0; part < kPartNames.size(); ++part) {
-    const auto column = static_cast<int>(part % 3), row = static_cast<int>(part / 3);
-    std::vector<double> sigmas_px;
-    for (int y = row * DirectionErrors::kRows / 3; y < (row + 1) * DirectionErrors::kRows / 3; ++y)
-      for (int x = column * DirectionErrors::kColumns / 3; x < (column + 1) * DirectionErrors::kColumns / 3; ++x)
-        sigmas_px.push_back(directions.at(x, y));
-    std::ranges::sort(sigmas_px);
+    const std::vector<double> sigmas_px = sigmas_of_part(directions, part);
     const double sigma_px = sigmas_px[sigmas_px.size() / 2];
     if (sigma_px <= kMaxPartDirection_px) continue;
     is_part_named = true;
@@ -147,6 +150,14 @@ std::vector<std::string> what_lens_lacks(const LensCalibration& calibration) {
     lacks.push_back(fmt::format("{} views of use are too few: take {} at least, 30 or more are good", number_word(used),
                                 kLeastViews));
   return lacks;
+}
+
+std::vector<UncertainPart> uncertain_parts(const LensCalibration& calibration) {
+  std::vector<UncertainPart> uncertain;
+  for (std::size_t part = 0; part < kPartNames.size(); ++part)
+    if (const double sigma_px = sigmas_of_part(calibration.directions, part).back(); !(sigma_px <= kGoodDirection_px))
+      uncertain.push_back({part, sigma_px});
+  return uncertain;
 }
 
 }  // namespace ninedot

@@ -37,13 +37,28 @@ struct ViewTally {
 };
 ViewTally tally_of(std::span<const SheetView> views, std::span<const PlaneDisc> discs, int width_px, int height_px);
 
+/// How many views there should be at least, in all and of each part of the picture: those of a good calibration, or
+/// more where a lens has told that they are needed.
+struct ViewGoals {
+  std::size_t views = 30;  ///< number of them; sigmas fall with its root, so further ones are worth little [1]
+  std::array<int, 9> parts{3, 3, 3, 3, 3, 3, 3, 3, 3};  ///< one might have a finger before the sheet
+};
+
 /// Which views would make a calibration good, by name, where what_views_lack says what it can't do without: somebody
-/// who moves the sheet is told these. \param least_views  more than usual, where a lens has told that they are needed
-/// [1] \return  "lower left", "tilted to the right", "nearer"; none: there are enough
-std::vector<std::string> wanted_views(const ViewTally& tally, std::size_t least_views = 0);
+/// who moves the sheet is told these.
+/// \return  "lower left", "tilted to the right", "nearer"; none: there are enough
+std::vector<std::string> wanted_views(const ViewTally& tally, const ViewGoals& goals = {});
 
 /// What the calibration itself says: a focal length or directions too uncertain, views that contradict each other.
 /// \return  a line each; none: it may be used
 std::vector<std::string> what_lens_lacks(const LensCalibration& calibration);
+
+/// A part of the picture in which some directions are uncertain by more than a tenth of a pixel: of use, but more views
+/// there, in its outer corner, would make it better.
+struct UncertainPart {
+  std::size_t part = 0;  ///< of kPartNames
+  double sigma_px = 0;   ///< the largest there; infinite: the lens has no directions there
+};
+std::vector<UncertainPart> uncertain_parts(const LensCalibration& calibration);
 
 }  // namespace ninedot

@@ -161,6 +161,7 @@ void run_calibrate_camera(const CalibrateCameraArguments& arguments) {
     fmt::print(stderr, "{} {} left out: no outline there, or other than the rest has it\n", result.left_out,
                result.left_out == 1 ? "view was" : "views were");
   fmt::print(stderr, "{}\n", summary_of(result));
+  if (const std::string wish = wish_for_views(result); !wish.empty()) fmt::print(stderr, "{}\n", wish);
 }
 
 }  // namespace

@@ -2,11 +2,14 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "calibrate/camera_file_text.h"
+#include "calibrate_camera/sufficiency.h"
 #include "drawing/calibration_picture.h"
 
 namespace ninedot {
@@ -20,6 +23,15 @@ std::string summary_of(const LensCalibration& result) {
       "px, {:.2g} px at worst; {} views, outlines off by {:.2g} px",
       name_of(camera.model), camera.fx_px, sigmas(0), camera.fy_px, sigmas(1), camera.cx_px, sigmas(2), camera.cy_px,
       sigmas(3), result.directions.median_px(), result.directions.max_px(), result.views.size(), result.rms_px);
+}
+
+std::string wish_for_views(const LensCalibration& result) {
+  std::vector<std::string> places;
+  for (const UncertainPart& part : uncertain_parts(result))
+    places.push_back(fmt::format("{} ({:.2g} px)", kPartNames[part.part], part.sigma_px));
+  if (places.empty()) return {};
+  return fmt::format("least certain: {}; more views with the sheet right in these corners would make them better",
+                     fmt::join(places, ", "));
 }
 
 std::vector<std::string> model_lines(const LensCalibration& result, bool is_forced) {
@@ -48,6 +60,7 @@ std::string camera_file_of(const LensCalibration& result, const std::string& nam
       "Made by `ninedot calibrate camera`, in the form of ROS camera_info: pixels, and pixel centres at "
       "whole numbers.",
       summary_of(result)};
+  if (std::string wish = wish_for_views(result); !wish.empty()) notes.comments.push_back(std::move(wish));
   for (const std::string& line : model_lines(result, is_forced)) notes.comments.push_back(line);
   return format_calibrated_camera(result.fit.camera, name, notes);
 }

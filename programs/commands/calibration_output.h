@@ -11,6 +11,9 @@ namespace ninedot {
 /// "plumb_bob: fx 612.31 +- 0.05, ...".
 std::string summary_of(const LensCalibration& result);
 
+/// Where more views would make it better, one line; empty: nowhere.
+std::string wish_for_views(const LensCalibration& result);
+
 /// What became of the lens models, a line each. \param is_forced  by --model
 std::vector<std::string> model_lines(const LensCalibration& result, bool is_forced);
 

@@ -13,6 +13,13 @@ namespace ninedot {
 
 using namespace std::chrono_literals;
 
+namespace {
+
+/// Twice as many as a good calibration has: patience ends before the last corner is as certain as the middle.
+constexpr std::size_t kMostViews = 60;
+
+}  // namespace
+
 LensFromViews::LensFromViews(CalibrationTarget target, const LensCalibrationOptions& lens,
                              const TerminationSignals& signals)
     : target_(std::move(target)), options_(lens), signals_(signals) {
@@ -50,9 +57,12 @@ LensCalibration LensFromViews::of_camera(const OpenedSource& source, const std::
     LensCalibration result = calibrate(live.views().views());
     progress_.clear();
     std::vector<std::string> lacks = what_lens_lacks(result);
-    if (lacks.empty()) return result;
-    if (end != LiveViews::End::kEnough) give_up_for(lacks);
-    live.want_more(std::move(lacks));
+    const std::vector<UncertainPart> uncertain = uncertain_parts(result);
+    const bool may_go_on = end == LiveViews::End::kEnough;
+    const bool is_good = uncertain.empty() || live.views().views().size() >= kMostViews;
+    if (lacks.empty() && (is_good || !may_go_on)) return result;
+    if (!may_go_on) give_up_for(lacks);
+    live.want_more(std::move(lacks), uncertain);
   }
 }
 

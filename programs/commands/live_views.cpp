@@ -19,6 +19,8 @@ constexpr auto kTablePeriod = 100ms;
 constexpr std::size_t kLearnFrom = 8, kLearnAgain = 16;
 /// So many more when the lens lacks something: a third of what is gathered at first.
 constexpr std::size_t kMoreViews = 10;
+/// Of each part whose directions are less certain than the others.
+constexpr int kMoreInPart = 3;
 
 /// By the lens that is known by now; where that shows nothing, as before it was.
 class EitherFinder final : public SheetFinder {
@@ -75,9 +77,16 @@ LiveViews::End LiveViews::gather() {
   return options_.is_stopped() ? End::kStopped : End::kSourceEnded;
 }
 
-void LiveViews::want_more(std::vector<std::string> lens_lacks) {
+void LiveViews::want_more(std::vector<std::string> lens_lacks, std::span<const UncertainPart> uncertain) {
   lens_lacks_ = std::move(lens_lacks);
-  enough_views_ = gatherer_.views().size() + kMoreViews;
+  const ViewTally now = tally();
+  goals_.views = now.views + kMoreViews;
+  for (const UncertainPart& part : uncertain) {
+    goals_.parts[part.part] = now.parts[part.part] + kMoreInPart;
+    lens_lacks_.push_back(
+        fmt::format("directions in the {} are uncertain by {:.2g} px: the sheet right into its corner",
+                    kPartNames[part.part], part.sigma_px));
+  }
 }
 
 void LiveViews::look_at(FrameLease& lease) {
@@ -113,15 +122,8 @@ std::string LiveViews::where_kept() const {
   return fmt::format("; the views until then are kept in {}", options_.keep);
 }
 
-GatheringState LiveViews::state(Looked looked) const {
-  GatheringState state;
-  state.tally = tally_of(gatherer_.views(), target_.discs, options_.width_px, options_.height_px);
-  state.wanted = wanted_;
-  state.lens_lacks = lens_lacks_;
-  state.looked = looked;
-  if (!gatherer_.newest().empty())
-    state.part = part_of(middle_px(gatherer_.newest()), options_.width_px, options_.height_px);
-  return state;
+ViewTally LiveViews::tally() const {
+  return tally_of(gatherer_.views(), target_.discs, options_.width_px, options_.height_px);
 }
 
 void LiveViews::tell(Looked looked) {
@@ -129,8 +131,10 @@ void LiveViews::tell(Looked looked) {
   const bool is_due = is_news || (lines_.is_terminal() && mono_now() - shown_at_ >= kTablePeriod);
   if (!is_due) return;
   shown_at_ = mono_now();
-  GatheringState now = state(looked);
-  now.wanted = wanted_ = wanted_views(now.tally, enough_views_);
+  GatheringState now{tally(), {}, lens_lacks_, {}, looked};
+  now.wanted = wanted_ = wanted_views(now.tally, goals_);
+  if (!gatherer_.newest().empty())
+    now.part = part_of(middle_px(gatherer_.newest()), options_.width_px, options_.height_px);
   if (lines_.is_terminal() && lines_.draw(gathering_table(now))) return;
   if (is_news) lines_.print(gathering_line(now) + "\n");
 }

@@ -44,9 +44,9 @@ class LiveViews {
   /// Throws StartupError(kWorkFailed): the camera is gone, or a view can't be written.
   End gather();
 
-  /// There are enough views but for what the lens that was made of them lacks: the next `gather` takes as many more as
+  /// There are enough views but for what the lens that was made of them says: the next `gather` takes as many more as
   /// may mend it. \param lens_lacks  as what_lens_lacks has it
-  void want_more(std::vector<std::string> lens_lacks);
+  void want_more(std::vector<std::string> lens_lacks, std::span<const UncertainPart> uncertain);
 
   const ViewGatherer& views() const noexcept { return gatherer_; }
   std::size_t pictures() const noexcept { return pictures_; }  ///< how many were looked at
@@ -58,7 +58,7 @@ class LiveViews {
   void keep(FrameLease& lease);
   void learn_lens();
   void tell(Looked looked);
-  GatheringState state(Looked looked) const;
+  ViewTally tally() const;
 
   const OpenedSource& source_;
   const CalibrationTarget& target_;
@@ -68,8 +68,9 @@ class LiveViews {
   std::optional<RecordingWriter> writer_;
   RedrawnLines lines_;
   MonoTime shown_at_{};
+  ViewGoals goals_;
   std::vector<std::string> wanted_, lens_lacks_;
-  std::size_t pictures_ = 0, enough_views_ = 0, lens_of_ = 0;
+  std::size_t pictures_ = 0, lens_of_ = 0;
 };
 
 }  // namespace ninedot

@@ -135,9 +135,24 @@ TEST(Sufficiency, WantsWhatIsMissingByName) {
   tally.views = 30, tally.near = 6;
   tally.parts.fill(3), tally.tilts.fill(4);
   EXPECT_TRUE(wanted_views(tally).empty());
-  EXPECT_EQ(wanted_views(tally, 42), std::vector<std::string>{"12 more"});
+  ViewGoals goals;
+  goals.views = 42;
+  EXPECT_EQ(wanted_views(tally, goals), std::vector<std::string>{"12 more"});
+  goals.parts[2] = 5;
+  EXPECT_EQ(wanted_views(tally, goals), std::vector<std::string>{"upper right"});
   tally.parts[6] = 2, tally.tilts[0] = 3, tally.near = 5, tally.views = 20;
   EXPECT_EQ(wanted_views(tally), (std::vector<std::string>{"lower left", "tilted to the right", "nearer"}));
+}
+
+TEST(Sufficiency, NamesThePartsThatAreLessCertainThanTheRest) {
+  LensCalibration calibration;
+  calibration.directions = {640, 480, std::vector<double>(DirectionErrors::kColumns * DirectionErrors::kRows, 0.05)};
+  EXPECT_TRUE(uncertain_parts(calibration).empty());
+  calibration.directions.sigma_px.back() = 0.2;
+  const std::vector<UncertainPart> uncertain = uncertain_parts(calibration);
+  ASSERT_EQ(uncertain.size(), 1U);
+  EXPECT_STREQ(kPartNames[uncertain[0].part], "lower right");
+  EXPECT_EQ(uncertain[0].sigma_px, 0.2);
 }
 
 TEST(Sufficiency, LacksNothingOnceNothingIsWanted) {
