@@ -7,11 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 
 #include "base/contract.h"
 #include "calibrate_camera/lens_parameters.h"
+#include "calibrate_camera/lens_prior.h"
 #include "pose/outline_distance.h"
 
 namespace ninedot {
@@ -20,7 +20,6 @@ namespace {
 constexpr int kViewUnknowns = kPoseUnknowns + 1;
 /// As in view_fit.cpp.
 constexpr double kOffset_px = 0.5;
-constexpr double kCornerBend = 0.4;
 /// Relative to the loss: what remains moves no parameter by a hundredth of its sigma.
 constexpr double kSettled = 1e-10;
 /// The median of |z| of a normal deviate.
@@ -79,24 +78,43 @@ class EdgeCost final : public ceres::CostFunction {
   double sigma_px_;
 };
 
-/// What is believed of some unknowns of a block, each by itself.
-class PriorCost final : public ceres::CostFunction {
+/// What is believed of the lens.
+class LensPriorCost final : public ceres::CostFunction {
  public:
-  /// \param sigmas  infinite: nothing
-  explicit PriorCost(Eigen::VectorXd sigmas) : sigmas_(std::move(sigmas)) {
-    set_num_residuals(static_cast<int>(sigmas_.size()));
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(sigmas_.size()));
+  explicit LensPriorCost(const CameraModel& camera) : prior_(camera), unknowns_(parameter_count(camera.model)) {
+    set_num_residuals(static_cast<int>(prior_.count()));
+    mutable_parameter_block_sizes()->push_back(unknowns_);
   }
   bool Evaluate(const double* const* unknowns, double* residuals, double** jacobians) const override {
-    const auto size = sigmas_.size();
-    for (Eigen::Index i = 0; i < size; ++i) residuals[i] = unknowns[0][i] / sigmas_(i);
-    if (jacobians != nullptr && jacobians[0] != nullptr)
-      Eigen::Map<Eigen::MatrixXd>(jacobians[0], size, size) = sigmas_.cwiseInverse().asDiagonal();
+    const bool asks_jacobian = jacobians != nullptr && jacobians[0] != nullptr;
+    Eigen::VectorXd values;
+    Eigen::MatrixXd jacobian;
+    if (!prior_.evaluate(Eigen::Map<const Eigen::VectorXd>(unknowns[0], unknowns_), values,
+                         asks_jacobian ? &jacobian : nullptr))
+      return false;
+    Eigen::Map<Eigen::VectorXd>(residuals, prior_.count()) = values;
+    if (asks_jacobian)
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[0], prior_.count(),
+                                                                                         unknowns_) = jacobian;
     return true;
   }
 
  private:
-  Eigen::VectorXd sigmas_;
+  LensPrior prior_;
+  int unknowns_;
+};
+
+/// What is believed of a view's offset.
+class OffsetPriorCost final : public ceres::SizedCostFunction<1, kViewUnknowns> {
+ public:
+  bool Evaluate(const double* const* unknowns, double* residuals, double** jacobians) const override {
+    residuals[0] = unknowns[0][kViewUnknowns - 1] / kOffset_px;
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      std::fill_n(jacobians[0], kViewUnknowns, 0.0);
+      jacobians[0][kViewUnknowns - 1] = 1 / kOffset_px;
+    }
+    return true;
+  }
 };
 
 class Reporter final : public ceres::IterationCallback {
@@ -111,24 +129,6 @@ class Reporter final : public ceres::IterationCallback {
 };
 
 }  // namespace
-
-Eigen::VectorXd prior_sigmas(const CameraModel& camera) {
-  Eigen::VectorXd sigmas =
-      Eigen::VectorXd::Constant(parameter_count(camera.model), std::numeric_limits<double>::infinity());
-  const bool is_equidistant = camera.model == DistortionModel::kEquidistant;
-  const double r = is_equidistant ? std::atan(corner_radius(camera)) : corner_radius(camera);
-  const auto set = [&](int coefficient, int power) {
-    sigmas(kPlainIntrinsics + coefficient) = kCornerBend / std::pow(r, power);
-  };
-  if (is_equidistant) {
-    for (int i = 0; i < 4; ++i) set(i, 2 * (i + 1));
-    return sigmas;
-  }
-  set(0, 2), set(1, 4), set(4, 6);  // k1, k2, k3
-  set(2, 1), set(3, 1);             // p1, p2
-  if (camera.model == DistortionModel::kRationalPolynomial) set(5, 2), set(6, 4), set(7, 6);
-  return sigmas;
-}
 
 bool adjust_lens(std::span<const PlaneDisc> discs, std::span<const SheetView> views, LensFit& fit,
                  const AdjustLensOptions& options) {
@@ -148,13 +148,11 @@ bool adjust_lens(std::span<const PlaneDisc> discs, std::span<const SheetView> vi
                                lens.data(), steps[i].data());
     }
     if (!problem.HasParameterBlock(steps[i].data())) continue;
-    Eigen::VectorXd offset_only = Eigen::VectorXd::Constant(kViewUnknowns, std::numeric_limits<double>::infinity());
-    offset_only(kViewUnknowns - 1) = kOffset_px;
-    problem.AddResidualBlock(new PriorCost(offset_only), nullptr, steps[i].data());
+    problem.AddResidualBlock(new OffsetPriorCost, nullptr, steps[i].data());
     ordering->AddElementToGroup(steps[i].data(), 0);
   }
   if (!problem.HasParameterBlock(lens.data())) return false;
-  problem.AddResidualBlock(new PriorCost(prior_sigmas(fit.camera)), nullptr, lens.data());
+  problem.AddResidualBlock(new LensPriorCost(fit.camera), nullptr, lens.data());
   ordering->AddElementToGroup(lens.data(), 1);
 
   ceres::Solver::Options solver;

@@ -26,12 +26,6 @@ struct AdjustLensOptions {
   std::function<bool()> go_on;
 };
 
-/// 1-sigma of what is believed of each parameter before any picture: nothing (infinite) of fx to cy; of a coefficient
-/// what bends the picture's corner by 0.4 of its distance from the middle. It keeps those finite that no picture shows,
-/// and a rational model's numerator and denominator, which make up for each other, near 1.
-/// \return  in the order of parameters_of [px], [1]
-Eigen::VectorXd prior_sigmas(const CameraModel& camera);
-
 /// Moves `fit` from where it is. \param views  as many as fit.views (contract)
 /// \return  false: it can't be evaluated, or it was told to stop
 bool adjust_lens(std::span<const PlaneDisc> discs, std::span<const SheetView> views, LensFit& fit,

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "calibrate_camera/lens_parameters.h"
+#include "calibrate_camera/lens_prior.h"
 #include "geometry/camera_gradients.h"
 #include "pose/outline_distance.h"
 
@@ -81,7 +82,9 @@ LensCovariance lens_covariance(std::span<const PlaneDisc> discs, std::span<const
   Eigen::MatrixXd seen = Eigen::MatrixXd::Zero(count, count);
   for (const ViewSay& say : says) seen += say.information;
   Eigen::MatrixXd information = seen;
-  information.diagonal().array() += prior_sigmas(fit.camera).array().square().inverse();
+  Eigen::VectorXd ignored;
+  if (Eigen::MatrixXd prior; LensPrior(fit.camera).evaluate(parameters_of(fit.camera), ignored, &prior))
+    information += prior.transpose() * prior;
   const Eigen::MatrixXd inverse =
       information.ldlt().solve(Eigen::MatrixXd::Identity(count, count)).selfadjointView<Eigen::Upper>();
 
