@@ -25,8 +25,10 @@
 #include "programs/assembly/motion_options.h"
 #include "programs/assembly/open_head.h"
 #include "programs/assembly/open_source.h"
+#include "programs/assembly/zoom_choice.h"
 #include "programs/display/live_display.h"
 #include "programs/program.h"
+#include "programs/service/lens_maker.h"
 #include "programs/service/main_outputs.h"
 #include "programs/service/map_reloader.h"
 #include "programs/service/open_tap.h"
@@ -68,13 +70,17 @@ void run_service(const std::string& config_path, bool live) {
 
   CameraCalibration calibration;
   const OpenedSource camera = open_calibrated_source(config, FrameDemand::kNewest, calibration);
+  const bool head_has_zoom = head_tells_zoom(config.pan_tilt);
+  choose_zoom(calibration, config.pan_tilt, head_has_zoom || camera.tells_zoom);
   const CameraModel& model = calibration.camera;
   RoomMapHandoff maps;
   LocaliserOptions localiser_settings = localiser_options(config);
   localiser_settings.new_maps = &maps;
   localiser_settings.intrinsics = calibration.record.covariance;
+  LensExchange lenses;
+  if (calibration.zoom) localiser_settings.new_lenses = &lenses;
   const auto localiser = make_localiser(model, localiser_settings);
-  const OpenedHead head = open_head(config, model, camera.head_line);
+  const OpenedHead head = open_head(config, model, camera.head_line, calibration.zoom.has_value());
   Mailbox<Report> reports;
   Mailbox<Health> health;
   const bool wants_lock = config.service.lock_memory;
@@ -86,6 +92,7 @@ void run_service(const std::string& config_path, bool live) {
   loop_options.memory_locked = wants_lock && locked.has_value();
   loop_options.body = body_geometry(config.body);
   if (head.output) loop_options.head = &head.output->snapshots();
+  loop_options.zoom_of_head = calibration.zoom && head_has_zoom;
   const OpenedTap tap = open_tap(config, model, localiser_settings.seeker.landmark);
   loop_options.observer = tap.observer.get();
   FrameLoop frames(*camera.frames, *localiser, reports, health, loop_options);
@@ -128,9 +135,11 @@ void run_service(const std::string& config_path, bool live) {
   if (head.lone_power) outputs.push_back(std::make_unique<PowerOutput>(*head.lone_power));
   outputs.push_back(std::make_unique<DeviceLogOutput>(log, head.devices, server));
   if (display) outputs.push_back(std::make_unique<LiveOutput>(*display, server, modbus.codec));
-  auto map_output = std::make_unique<MapReloader>(config, keys, config_path, model, maps, log);
+  auto map_output = std::make_unique<MapReloader>(config, keys, config_path, maps, log);
   MapReloader& map = *map_output;
   outputs.push_back(std::move(map_output));
+  if (calibration.zoom)
+    outputs.push_back(std::make_unique<LensMaker>(*calibration.zoom, localiser_settings, lenses, log));
   watch_until_signalled(signals, {frames, reports, outputs}, [&] { map.request(); });
   if (head.output && config.pan_tilt.park_at_shutdown) park(*head.output, reports);
   log.tell(nullptr);

@@ -12,8 +12,10 @@ namespace {
 
 constexpr std::uint64_t kMaxFrame = 999'999'999;                      ///< a year at 30 Hz; keeps file names short
 constexpr std::int64_t kMaxTimestamp_ns = 4'000'000'000'000'000'000;  ///< 126 years; leaves room to add to it
-constexpr std::array<std::string_view, 4> kColumns{"frame", "timestamp_ns", "pan_deg", "tilt_deg"};
-enum Column : std::size_t { kFrame, kTimestamp, kPan, kTilt };
+constexpr int kMaxZoom = 0xFFFF;                                      ///< what VISCA can say
+constexpr std::array<std::string_view, 5> kColumns{"frame", "timestamp_ns", "pan_deg", "tilt_deg", "zoom"};
+enum Column : std::size_t { kFrame, kTimestamp, kPan, kTilt, kZoom };
+using Places = std::array<std::optional<std::size_t>, kColumns.size()>;
 
 /// Cuts the next line off `text`, without its line feed.
 std::string_view next_line(std::string_view& text) {
@@ -49,12 +51,12 @@ std::optional<double> parse_angle_deg(std::string_view text) {
 }
 
 /// Where each column is in a row. \return what is wrong with the header, empty = nothing
-std::string read_header(const std::vector<std::string_view>& names, std::array<std::optional<std::size_t>, 4>& places) {
+std::string read_header(const std::vector<std::string_view>& names, Places& places) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::size_t column = 0;
     while (column < kColumns.size() && kColumns[column] != names[i]) ++column;
     if (column == kColumns.size())
-      return fmt::format("unknown column '{}'; there are frame,timestamp_ns,pan_deg,tilt_deg", names[i]);
+      return fmt::format("unknown column '{}'; there are frame,timestamp_ns,pan_deg,tilt_deg,zoom", names[i]);
     if (places[column]) return fmt::format("column '{}' is there twice", names[i]);
     places[column] = i;
   }
@@ -64,14 +66,13 @@ std::string read_header(const std::vector<std::string_view>& names, std::array<s
 }
 
 /// \return what is wrong with the row, empty = nothing
-std::string read_row(const std::vector<std::string_view>& fields,
-                     const std::array<std::optional<std::size_t>, 4>& places, FramesCsvRow& row) {
+std::string read_row(const std::vector<std::string_view>& fields, const Places& places, FramesCsvRow& row) {
   const std::optional<std::uint64_t> frame = parse_number<std::uint64_t>(fields[*places[kFrame]]);
   if (!frame || *frame > kMaxFrame) return "frame is not a whole number from 0 to 999999999";
   const std::optional<std::int64_t> timestamp_ns = parse_number<std::int64_t>(fields[*places[kTimestamp]]);
   if (!timestamp_ns || *timestamp_ns < 0 || *timestamp_ns > kMaxTimestamp_ns)
     return "timestamp_ns is not a whole number from 0 to 4000000000000000000";
-  row = FramesCsvRow{*frame, *timestamp_ns, 0, 0};
+  row = FramesCsvRow{*frame, *timestamp_ns, 0, 0, {}};
   if (places[kPan]) {
     const std::optional<double> pan_deg = parse_angle_deg(fields[*places[kPan]]);
     if (!pan_deg) return "pan_deg is not a number from -360 to 360";
@@ -82,13 +83,17 @@ std::string read_row(const std::vector<std::string_view>& fields,
     if (!tilt_deg) return "tilt_deg is not a number from -360 to 360";
     row.tilt_deg = *tilt_deg;
   }
+  if (places[kZoom] && !fields[*places[kZoom]].empty()) {
+    row.zoom = parse_number<int>(fields[*places[kZoom]]);
+    if (!row.zoom || *row.zoom < 0 || *row.zoom > kMaxZoom) return "zoom is not a whole number from 0 to 65535";
+  }
   return {};
 }
 
 }  // namespace
 
 tl::expected<std::vector<FramesCsvRow>, TextError> parse_frames_csv(std::string_view text) {
-  std::array<std::optional<std::size_t>, 4> places;
+  Places places;
   int line_number = 1;
   const auto error = [&](std::string what) { return tl::make_unexpected(TextError{line_number, std::move(what)}); };
 
@@ -111,8 +116,9 @@ tl::expected<std::vector<FramesCsvRow>, TextError> parse_frames_csv(std::string_
   return rows;
 }
 
-std::string format_frames_csv_row(const FramesCsvRow& row) {
-  return fmt::format("{},{},{},{}\n", row.frame, row.timestamp_ns, row.pan_deg, row.tilt_deg);
+std::string format_frames_csv_row(const FramesCsvRow& row, bool with_zoom) {
+  const std::string zoom = row.zoom ? fmt::format(",{}", *row.zoom) : ",";
+  return fmt::format("{},{},{},{}{}\n", row.frame, row.timestamp_ns, row.pan_deg, row.tilt_deg, with_zoom ? zoom : "");
 }
 
 }  // namespace ninedot

@@ -85,7 +85,7 @@ void add_timed_frames(const std::string& csv, const Pictures& pictures, Recordin
     if (picture != pictures.end()) ++found;
     index.frames.push_back(RecordedFrame{
         row.frame, std::chrono::nanoseconds(row.timestamp_ns), row.pan_deg * kRadPerDeg, row.tilt_deg * kRadPerDeg,
-        picture != pictures.end() ? picture->second : missing_picture(index.path, row.frame, pictures), 0});
+        picture != pictures.end() ? picture->second : missing_picture(index.path, row.frame, pictures), 0, row.zoom});
   }
   if (found == pictures.size()) return;
   for (const Pictures::value_type& picture : pictures)
@@ -102,8 +102,13 @@ void add_untimed_frames(const Pictures& pictures, RecordingIndex& index) {
   for (std::uint64_t number = first; number <= last; ++number) {
     const auto picture = pictures.find(number);
     index.frames.push_back(
-        RecordedFrame{number, untimed(number, kUntimedRate_hz), 0, 0,
-                      picture != pictures.end() ? picture->second : missing_picture(index.path, number, pictures), 0});
+        RecordedFrame{number,
+                      untimed(number, kUntimedRate_hz),
+                      0,
+                      0,
+                      picture != pictures.end() ? picture->second : missing_picture(index.path, number, pictures),
+                      0,
+                      {}});
   }
 }
 
@@ -150,7 +155,7 @@ void read_y4m(RecordingIndex& index) {
     const Result<std::size_t> frame_header_bytes = parse_y4m_frame_header(read_at(at));
     const std::uint64_t number = index.frames.size();
     const std::int64_t offset = frame_header_bytes ? at + static_cast<std::int64_t>(*frame_header_bytes) : -1;
-    index.frames.push_back(RecordedFrame{number, untimed(number, rate_hz), 0, 0, {}, offset});
+    index.frames.push_back(RecordedFrame{number, untimed(number, rate_hz), 0, 0, {}, offset, {}});
     if (!frame_header_bytes) break;  // where the next one starts is unknown
     at = offset + static_cast<std::int64_t>(header->frame_bytes());
   }
@@ -158,6 +163,10 @@ void read_y4m(RecordingIndex& index) {
 }
 
 }  // namespace
+
+bool RecordingIndex::tells_zoom() const {
+  return std::ranges::any_of(frames, [](const RecordedFrame& frame) { return frame.zoom.has_value(); });
+}
 
 RecordingIndex read_recording_index(const std::string& path) {
   RecordingIndex index;

@@ -2,6 +2,7 @@
 /// What a recording holds: its frames in order, with their times, before any picture is decoded.
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct RecordedFrame {
   double pan_rad = 0, tilt_rad = 0;        ///< frames.csv, else 0
   std::string file;                        ///< the picture's path, there or not; empty in a .y4m file
   std::int64_t offset_bytes = 0;           ///< of the luma plane in a .y4m file; -1 = its frame header is damaged
+  std::optional<int> zoom = {};            ///< frames.csv [steps]; none: not known
 };
 
 struct RecordingIndex {
@@ -27,6 +29,9 @@ struct RecordingIndex {
   PictureSize y4m_chroma_size;         ///< of each colour plane in a .y4m file; 0 x 0: it has none
   std::size_t largest_file_bytes = 0;  ///< of the pictures; 0 with .y4m
   std::vector<RecordedFrame> frames;   ///< at least one; numbers and times grow
+
+  /// Of a zoom camera: a frame at least says where its zoom stood.
+  bool tells_zoom() const;
 };
 
 /// Reads the index of a folder with frames/NNNNNN.(png|pgm|ppm|jpg|jpeg) or of a .y4m file.

@@ -76,6 +76,7 @@ Result<FrameLease> RecordingSource::lend(const NewestWins::Taken& taken) noexcep
   lease.frame.set_exposure(ready.exposed_at);
   lease.frame.head = HeadAngles{ready.frame->pan_rad, ready.frame->tilt_rad};
   lease.frame.head_at = ready.exposed_at;
+  if (ready.frame->zoom) lease.frame.zoom = *ready.frame->zoom;
   lease.dropped_before = taken.unseen.skipped;
   if (is_preloaded) give_back(taken.buffer);
   return lease;

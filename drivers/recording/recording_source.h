@@ -58,6 +58,8 @@ class RecordingSource final : public FrameSource, private FrameOwner {
   PictureSize size() const noexcept { return size_; }
   /// Frames of one pass, unreadable ones included. Threads: any.
   std::size_t frame_count() const noexcept { return index_.frames.size(); }
+  /// Threads: any.
+  bool tells_zoom() const { return index_.tells_zoom(); }
   /// "FILE: what is wrong" with the frame that `next` failed on last; valid until the next call of `next`.
   /// Threads: the caller of `next`.
   const char* last_failure() const noexcept { return last_failure_.data(); }

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <numbers>
@@ -26,8 +27,9 @@ std::span<const std::uint8_t> bytes_of(std::string_view text) noexcept {
 
 }  // namespace
 
-RecordingWriter::RecordingWriter(const std::string& folder, std::string_view camera_yaml, WriteFunction write_bytes)
-    : folder_(folder), write_bytes_(write_bytes) {
+RecordingWriter::RecordingWriter(const std::string& folder, std::string_view camera_yaml, WriteFunction write_bytes,
+                                 bool with_zoom)
+    : folder_(folder), write_bytes_(write_bytes), with_zoom_(with_zoom) {
   make_folder();
   const auto refuse = [&](const std::string& file, int os_errno) {
     remove_folder();
@@ -42,7 +44,7 @@ RecordingWriter::RecordingWriter(const std::string& folder, std::string_view cam
   const std::string file = folder_ + "/frames.csv";
   csv_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (csv_ < 0) refuse(file, errno);
-  const Result<std::size_t> written = append_row(kFramesCsvHeader);
+  const Result<std::size_t> written = append_row(with_zoom ? kFramesCsvHeaderWithZoom : kFramesCsvHeader);
   if (!written) refuse(file, written.error().os_errno);
 }
 
@@ -109,8 +111,9 @@ Result<std::uint64_t> RecordingWriter::add(const FrameLease& lease) {
   const Result<std::size_t> written =
       write_whole_file(picture, std::span(png_).first(encoded_bytes), Durability::kWhenConvenient, write_bytes_);
   if (!written) return tl::unexpected<Error>(written.error());
-  const Result<std::size_t> row = append_row(format_frames_csv_row(
-      {number, to_ns(frame.exposed_at()), head.pan_rad * kDegPerRad, head.tilt_rad * kDegPerRad}));
+  FramesCsvRow csv_row{number, to_ns(frame.exposed_at()), head.pan_rad * kDegPerRad, head.tilt_rad * kDegPerRad, {}};
+  if (!std::isnan(frame.zoom)) csv_row.zoom = static_cast<int>(std::lround(frame.zoom));
+  const Result<std::size_t> row = append_row(format_frames_csv_row(csv_row, with_zoom_));
   if (!row) {
     ::unlink(picture.c_str());
     return tl::unexpected<Error>(row.error());

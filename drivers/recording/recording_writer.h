@@ -19,8 +19,10 @@ class RecordingWriter {
   /// \param folder  made with its parents; must be empty if it exists
   /// \param camera_yaml  text of the calibration; empty = the camera is not calibrated, no file
   /// \param write_bytes  write(2), or what a test puts in its place
+  /// \param with_zoom  of a camera that tells where its zoom stands: a column for that
   /// Throws StartupError, one line: kWrongUsage when the folder is not empty, kWorkFailed when it can't be written.
-  RecordingWriter(const std::string& folder, std::string_view camera_yaml, WriteFunction write_bytes = write_to_disk);
+  RecordingWriter(const std::string& folder, std::string_view camera_yaml, WriteFunction write_bytes = write_to_disk,
+                  bool with_zoom = false);
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
@@ -43,6 +45,7 @@ class RecordingWriter {
   std::string folder_;
   std::string first_made_;  ///< the outermost folder that did not exist before
   WriteFunction write_bytes_;
+  bool with_zoom_;
   int csv_ = -1;
   std::int64_t csv_bytes_ = 0;
   std::uint64_t frame_count_ = 0;

@@ -119,6 +119,7 @@ HeadState LatePanTilt::state() const noexcept {
   }
   HeadState state = last_;
   state.absent = true;
+  state.zoom.reset();
   state.failed = failed_.load(std::memory_order_relaxed);
   return state;
 }

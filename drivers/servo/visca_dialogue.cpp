@@ -1,5 +1,5 @@
 /// The start goes through the steps in their order; from then on the order of importance is: cancels, a stop, the
-/// question for the position when it is due, a motion.
+/// questions for position and zoom when they are due, a motion.
 #include "drivers/servo/visca_dialogue.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ void ViscaDialogue::begin(MonoTime now) noexcept {
   stream_.reset();
   step_ = Step::kAddress;
   awaited_ = Awaited::kNothing;
-  poll_at_ = command_at_ = now;
+  poll_at_ = zoom_poll_at_ = command_at_ = now;
   unanswered_since_ = {};
   done_ = order_.kind == ViscaOrder::Kind::kNone;
   sent_ = Command::kNone;
@@ -36,6 +36,7 @@ void ViscaDialogue::begin(MonoTime now) noexcept {
   refused_ = gave_up_ = heard_bytes_ = heard_packets_ = false;
   answer_ = ViscaProblem::kNone;
   zoom_.reset();
+  zoom_answers_.forget();
   cameras_.reset();
 }
 
@@ -65,6 +66,7 @@ MonoTime ViscaDialogue::wake_at() const noexcept {
     if (since) at = std::min(at, *since + options_.answer_timeout);
   if (awaited_ != Awaited::kNothing) return std::min(at, reply_by_);
   if (step_ == Step::kZoomRead || step_ == Step::kReady) at = std::min(at, poll_at_);
+  if (step_ == Step::kReady && options_.zoom_interval) at = std::min(at, zoom_poll_at_);
   if (step_ == Step::kReady && has_to_command()) at = std::min(at, command_at_);
   return at;
 }
@@ -111,6 +113,10 @@ std::optional<ViscaPacket> ViscaDialogue::next_when_ready(MonoTime now) noexcept
     // Counted from when it was due: a busy line delays a question, and does not make them rarer.
     poll_at_ = (now - poll_at_ < options_.poll_interval ? poll_at_ : now) + options_.poll_interval;
     return ask(Awaited::kPosition, encode_visca_position_inquiry(options_.address), now);
+  }
+  if (options_.zoom_interval && now >= zoom_poll_at_) {
+    zoom_poll_at_ = now + *options_.zoom_interval;
+    return ask(Awaited::kZoom, encode_visca_zoom_inquiry(options_.address), now);
   }
   if (!may_command) return std::nullopt;
   if (cancels_first_) to_cancel_ = sockets_with(Command::kMove);
@@ -221,6 +227,7 @@ void ViscaDialogue::take_ack(int socket, MonoTime now) noexcept {
 void ViscaDialogue::take_zoom(int zoom, MonoTime now) noexcept {
   const bool stands_still = zoom_ == zoom;
   zoom_ = zoom;
+  zoom_answers_.add(zoom, now);
   answered(Awaited::kZoom);
   if (step_ != Step::kZoomRead || !options_.zoom) return;
   // A reading on the way counts only when the completion has come, or when it stays the same: a completion may get

@@ -13,6 +13,7 @@
 #include <span>
 
 #include "base/mono_time.h"
+#include "base/zoom_stand.h"
 #include "drivers/servo/visca_options.h"
 #include "drivers/servo/visca_packet.h"
 
@@ -64,6 +65,8 @@ class ViscaDialogue {
   const ViscaPosition& position() const noexcept { return position_; }
   /// [steps], as reported last. Asked for when the options have one.
   std::optional<int> zoom() const noexcept { return zoom_; }
+  /// Where the lens stands still, by the answers since begin().
+  std::optional<ZoomStand> zoom_stand() const noexcept { return zoom_answers_.stand(); }
   /// In the chain; none before they were counted.
   std::optional<int> cameras() const noexcept { return cameras_; }
   /// How many commands run in the camera, as far as is known.
@@ -104,7 +107,7 @@ class ViscaDialogue {
 
   Step step_ = Step::kAddress;
   Awaited awaited_ = Awaited::kNothing;
-  MonoTime reply_by_{}, poll_at_{}, zoom_by_{}, command_at_{};
+  MonoTime reply_by_{}, poll_at_{}, zoom_poll_at_{}, zoom_by_{}, command_at_{};
   std::array<std::optional<MonoTime>, kAwaitedCount> unanswered_since_{};
 
   ViscaOrder order_;
@@ -124,6 +127,7 @@ class ViscaDialogue {
 
   ViscaPosition position_;
   std::optional<int> zoom_, cameras_;
+  ZoomAnswers zoom_answers_;
 };
 
 }  // namespace ninedot

@@ -57,10 +57,9 @@ ViscaOptions checked(const ViscaOptions& options) {
          fmt::format("a VISCA camera's pan speed is 1 to {}, not {}", kMaxViscaPanSpeed, options.pan_speed));
   expect(options.tilt_speed >= 1 && options.tilt_speed <= kMaxViscaTiltSpeed,
          fmt::format("a VISCA camera's tilt speed is 1 to {}, not {}", kMaxViscaTiltSpeed, options.tilt_speed));
-  const ViscaZoomTable table(options.zoom_table);
   if (options.zoom)
-    expect(*options.zoom >= table.min_zoom() && *options.zoom <= table.max_zoom(),
-           fmt::format("this camera's zoom is {} to {}, not {}", table.min_zoom(), table.max_zoom(), *options.zoom));
+    expect(*options.zoom >= 0 && *options.zoom <= kEviD31MaxZoom,
+           fmt::format("this camera's zoom is 0 to {}, not {}", kEviD31MaxZoom, *options.zoom));
   return options;
 }
 
@@ -114,7 +113,6 @@ void check_visca_port(const std::string& device) { open_or_refuse(device); }
 ViscaPanTilt::ViscaPanTilt(const ViscaOptions& options, const ServoAxes& axes)
     : options_(checked(options)),
       axes_(axes),
-      zoom_table_(options_.zoom_table),
       order_(0),
       dialogue_(options_),
       backoff_(options_.first_reopen_wait, options_.longest_reopen_wait),
@@ -163,17 +161,13 @@ HeadState ViscaPanTilt::state() const noexcept {
   state.limited = limited_;
   state.failed = failed_.load(std::memory_order_acquire);
   state.losses = static_cast<std::uint32_t>(losses());
+  state.zoom = zoom_stand_.take();
   return state;
 }
 
 std::optional<int> ViscaPanTilt::zoom() const noexcept {
   const int zoom = zoom_.load(std::memory_order_relaxed);
   return zoom < 0 ? std::nullopt : std::optional(zoom);
-}
-
-std::optional<double> ViscaPanTilt::focal_length_mm() const noexcept {
-  const std::optional<int> position = zoom();
-  return position ? std::optional(zoom_table_.focal_length_mm_at(*position)) : std::nullopt;
 }
 
 void ViscaPanTilt::publish() noexcept {
@@ -184,6 +178,7 @@ void ViscaPanTilt::publish() noexcept {
                     std::memory_order_release);
     zoom_.store(dialogue_.zoom().value_or(-1), std::memory_order_relaxed);
   }
+  zoom_stand_.put(dialogue_.zoom_stand());
   failed_.store(!dialogue_.is_ready() || dialogue_.is_refused(), std::memory_order_release);
 }
 
@@ -192,6 +187,7 @@ void ViscaPanTilt::run() noexcept {
   for (;;) {
     if (talk(false) == LineState::kStopping) return;
     failed_.store(true, std::memory_order_release);
+    zoom_stand_.put(std::nullopt);
     losses_.fetch_add(1, std::memory_order_relaxed);
     tty_.reset();
     if (!reopen()) return;

@@ -10,12 +10,12 @@
 #include <thread>
 
 #include "aim/servo_axis.h"
+#include "base/handoff.h"
 #include "drivers/posix/backoff.h"
 #include "drivers/posix/file_descriptor.h"
 #include "drivers/servo/serial_line.h"
 #include "drivers/servo/visca_dialogue.h"
 #include "drivers/servo/visca_options.h"
-#include "drivers/servo/visca_zoom_table.h"
 
 namespace ninedot {
 
@@ -46,8 +46,6 @@ class ViscaPanTilt final : public PanTilt {
 
   /// The lens as it was read back [steps]; none unless the options set a zoom. Threads: any; an atomic load.
   std::optional<int> zoom() const noexcept;
-  /// Of that zoom, by the options' table. Threads: any.
-  std::optional<double> focal_length_mm() const noexcept;
   /// How often the camera was lost. Threads: any.
   std::uint64_t losses() const noexcept { return losses_.load(std::memory_order_relaxed); }
 
@@ -64,12 +62,12 @@ class ViscaPanTilt final : public PanTilt {
 
   const ViscaOptions options_;
   const ServoAxes axes_;
-  const ViscaZoomTable zoom_table_;
   bool limited_ = false;              // of the caller
   std::atomic<std::uint64_t> order_;  // the caller writes, the thread reads: newest wins
   std::atomic<std::uint32_t> position_{0};
   std::atomic<bool> failed_{true};
-  std::atomic<int> zoom_{-1};  // -1: not set by us
+  std::atomic<int> zoom_{-1};                             // -1: not set by us
+  mutable Handoff<std::optional<ZoomStand>> zoom_stand_;  // the thread puts, the caller takes
   std::atomic<std::uint64_t> losses_{0};
 
   ViscaDialogue dialogue_;

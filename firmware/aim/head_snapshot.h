@@ -2,9 +2,11 @@
 /// What the head's thread tells the frame loop, after each of its steps.
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <type_traits>
 
 #include "aim/head_track.h"
+#include "base/zoom_stand.h"
 #include "report/report.h"
 
 namespace ninedot {
@@ -16,6 +18,7 @@ struct HeadSnapshot {
   std::uint32_t order = 0;                                  ///< AimOrder::number of the order that it follows
   OrderProgress progress = OrderProgress::kNone;            ///< of that order
   std::uint32_t losses = 0;                                 ///< HeadState::losses
+  std::optional<ZoomStand> zoom;                            ///< HeadState::zoom
   std::chrono::nanoseconds sweep{};  ///< how long the sweep of kSearch takes as a whole, from where it began
   std::chrono::nanoseconds pulse_error_p99{}, pulse_error_max{};
 };

@@ -25,6 +25,7 @@ enum class Reason : std::uint16_t {
   kCrowded = 13,
   kNotIdentified = 14,
   kMoved = 15,
+  kZoom = 16,
 };
 
 struct ReasonWords {
@@ -57,6 +58,8 @@ inline constexpr auto kReasons = std::to_array<ReasonWords>({
     {Reason::kNotIdentified, "a landmark was seen, but nothing tells which one of the map it is",
      "which landmark it is isn't known"},
     {Reason::kMoved, "the landmark in view does not hang where the map says", "it hangs elsewhere than the map says"},
+    {Reason::kZoom, "the zoom is on its way, not known, or where its calibration does not reach",
+     "no lens is known at this zoom"},
 });
 
 namespace detail {

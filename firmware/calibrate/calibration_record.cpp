@@ -48,53 +48,14 @@ std::size_t coefficients_of(const CameraModel& camera, std::size_t rows) {
   return rows == 4 || rows == 8 ? rows - 4 : 5;  // OpenCV leaves k3 out, or all of them
 }
 
-class RecordReader {
+class CovarianceReader {
  public:
-  RecordReader(const Node& node, const CameraModel& camera, const YamlReader& yaml)
-      : node_(node), camera_(camera), yaml_(yaml) {}
+  CovarianceReader(const Node& map, const CameraModel& camera, const YamlReader& yaml)
+      : map_(map), camera_(camera), yaml_(yaml) {}
 
-  CalibrationRecord read() const {
-    if (!node_.IsMap()) yaml_.refuse(node_, "calibration is no mapping: write its keys below it, or remove it");
-    yaml_.refuse_repeated_keys(node_);
-    CalibrationRecord record;
-    record.date = text("date");
-    if (!record.date.empty() && !is_day(record.date))
-      yaml_.refuse(node_["date"], fmt::format("date is '{}', not a day such as \"2026-11-22\"", one_line(record.date)));
-    record.camera_id = text("camera_id");
-    record.lens = text("lens");
-    if (const auto views = number("views")) {
-      if (*views != std::floor(*views) || *views > kMaxViews)
-        yaml_.refuse(node_["views"], fmt::format("views is {}, not a whole number up to {}", *views, kMaxViews));
-      record.views = static_cast<int>(*views);
-    }
-    record.rms_px = number("rms_px");
-    record.direction_sigma_px = number("direction_sigma_px");
-    record.direction_sigma_max_px = number("direction_sigma_max_px");
-    if (node_["covariance"]) record.covariance = covariance();
-    return record;
-  }
-
- private:
-  std::string text(const char* key) const {
-    const Node node = node_[key];
-    if (!node || node.IsNull()) return {};
-    if (!node.IsScalar()) yaml_.refuse(node, fmt::format("{} is not a text", key));
-    const std::string& value = node.Scalar();
-    if (one_line(value) != value) yaml_.refuse(node, fmt::format("{} is not one line of text", key));
-    return value;
-  }
-
-  std::optional<double> number(const char* key) const {
-    const Node node = node_[key];
-    if (!node || node.IsNull()) return std::nullopt;
-    const double value = yaml_.read_number(node, key);
-    if (value < 0) yaml_.refuse(node, fmt::format("{} is {}; it can't be below 0", key, value));
-    return value;
-  }
-
-  IntrinsicCovariance covariance() const {
-    const Node node = node_["covariance"];
-    const std::vector<double> data = yaml_.read_matrix(node_, "covariance");
+  IntrinsicCovariance read() const {
+    const Node node = map_["covariance"];
+    const std::vector<double> data = yaml_.read_matrix(map_, "covariance");
     const auto rows = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(data.size()))));
     const std::size_t expected = 4 + coefficients_of(camera_, rows);
     if (data.size() != expected * expected)
@@ -109,6 +70,7 @@ class RecordReader {
     return (covariance + covariance.transpose()) / 2;
   }
 
+ private:
   void check_sigmas(const IntrinsicCovariance& covariance, const Node& node) const {
     for (Eigen::Index i = 0; i < kIntrinsics; ++i) {
       const double largest = i < 4 ? camera_.width_px : kMaxCoefficientSigma;
@@ -136,12 +98,65 @@ class RecordReader {
       yaml_.refuse(node, "covariance is none: an eigenvalue is negative");
   }
 
+  const Node& map_;
+  const CameraModel& camera_;
+  const YamlReader& yaml_;
+};
+
+class RecordReader {
+ public:
+  RecordReader(const Node& node, const CameraModel& camera, const YamlReader& yaml)
+      : node_(node), camera_(camera), yaml_(yaml) {}
+
+  CalibrationRecord read() const {
+    if (!node_.IsMap()) yaml_.refuse(node_, "calibration is no mapping: write its keys below it, or remove it");
+    yaml_.refuse_repeated_keys(node_);
+    CalibrationRecord record;
+    record.date = text("date");
+    if (!record.date.empty() && !is_day(record.date))
+      yaml_.refuse(node_["date"], fmt::format("date is '{}', not a day such as \"2026-11-22\"", one_line(record.date)));
+    record.camera_id = text("camera_id");
+    record.lens = text("lens");
+    if (const auto views = number("views")) {
+      if (*views != std::floor(*views) || *views > kMaxViews)
+        yaml_.refuse(node_["views"], fmt::format("views is {}, not a whole number up to {}", *views, kMaxViews));
+      record.views = static_cast<int>(*views);
+    }
+    record.rms_px = number("rms_px");
+    record.direction_sigma_px = number("direction_sigma_px");
+    record.direction_sigma_max_px = number("direction_sigma_max_px");
+    if (node_["covariance"]) record.covariance = read_intrinsic_covariance(node_, camera_, yaml_);
+    return record;
+  }
+
+ private:
+  std::string text(const char* key) const {
+    const Node node = node_[key];
+    if (!node || node.IsNull()) return {};
+    if (!node.IsScalar()) yaml_.refuse(node, fmt::format("{} is not a text", key));
+    const std::string& value = node.Scalar();
+    if (one_line(value) != value) yaml_.refuse(node, fmt::format("{} is not one line of text", key));
+    return value;
+  }
+
+  std::optional<double> number(const char* key) const {
+    const Node node = node_[key];
+    if (!node || node.IsNull()) return std::nullopt;
+    const double value = yaml_.read_number(node, key);
+    if (value < 0) yaml_.refuse(node, fmt::format("{} is {}; it can't be below 0", key, value));
+    return value;
+  }
+
   const Node& node_;
   const CameraModel& camera_;
   const YamlReader& yaml_;
 };
 
 }  // namespace
+
+IntrinsicCovariance read_intrinsic_covariance(const Node& map, const CameraModel& camera, const YamlReader& yaml) {
+  return CovarianceReader(map, camera, yaml).read();
+}
 
 CalibrationRecord read_calibration_record(const Node& node, const CameraModel& camera, const YamlReader& yaml) {
   return RecordReader(node, camera, yaml).read();

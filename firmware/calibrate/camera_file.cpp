@@ -12,6 +12,7 @@
 #include "base/one_line.h"
 #include "base/startup_error.h"
 #include "calibrate/yaml_reader.h"
+#include "calibrate/zoom_file.h"
 
 namespace ninedot {
 namespace {
@@ -54,15 +55,7 @@ class CameraParser {
     if (K[3] != 0 || K[6] != 0 || K[7] != 0 || K[8] != 1)
       yaml_.refuse(node, "camera_matrix is not [fx, 0, cx, 0, fy, cy, 0, 0, 1]");
     camera.fx_px = K[0], camera.cx_px = K[2], camera.fy_px = K[4], camera.cy_px = K[5];
-    for (const auto& [focal_px, name] : {std::pair{camera.fx_px, "fx"}, std::pair{camera.fy_px, "fy"}}) {
-      if (focal_px <= 0) yaml_.refuse(node, fmt::format("{} is {} px; a focal length is positive", name, focal_px));
-      if (focal_px < kMinFocalPerWidth * camera.width_px || focal_px > kMaxFocalPerWidth * camera.width_px)
-        yaml_.refuse(node, fmt::format("{} is {} px, implausible for a picture {} px wide; it is in pixels, not mm",
-                                       name, focal_px, camera.width_px));
-    }
-    if (camera.cx_px < 0 || camera.cx_px > camera.width_px || camera.cy_px < 0 || camera.cy_px > camera.height_px)
-      yaml_.refuse(node, fmt::format("the principal point ({}, {}) is outside the picture of {} x {} px", camera.cx_px,
-                                     camera.cy_px, camera.width_px, camera.height_px));
+    check_intrinsics(camera, node, yaml_);
   }
 
   std::optional<DistortionModel> read_model() const {
@@ -123,14 +116,27 @@ std::string without_opencv_directive(std::string_view text) {
 
 }  // namespace
 
+void check_intrinsics(const CameraModel& camera, const YAML::Node& where, const YamlReader& yaml) {
+  for (const auto& [focal_px, name] : {std::pair{camera.fx_px, "fx"}, std::pair{camera.fy_px, "fy"}}) {
+    if (focal_px <= 0) yaml.refuse(where, fmt::format("{} is {} px; a focal length is positive", name, focal_px));
+    if (focal_px < kMinFocalPerWidth * camera.width_px || focal_px > kMaxFocalPerWidth * camera.width_px)
+      yaml.refuse(where, fmt::format("{} is {} px, implausible for a picture {} px wide; it is in pixels, not mm", name,
+                                     focal_px, camera.width_px));
+  }
+  if (camera.cx_px < 0 || camera.cx_px > camera.width_px || camera.cy_px < 0 || camera.cy_px > camera.height_px)
+    yaml.refuse(where, fmt::format("the principal point ({}, {}) is outside the picture of {} x {} px", camera.cx_px,
+                                   camera.cy_px, camera.width_px, camera.height_px));
+}
+
 CameraCalibration parse_calibration(std::string_view text, const std::string& name) {
   YAML::Node root;
   try {
     root = YAML::Load(without_opencv_directive(text));
     const YamlReader yaml(name);
-    CameraCalibration calibration{CameraParser(root, yaml).parse(), {}};
+    CameraCalibration calibration{CameraParser(root, yaml).parse(), {}, {}};
     if (const YAML::Node record = root["calibration"]; record)
       calibration.record = read_calibration_record(record, calibration.camera, yaml);
+    if (const YAML::Node zoom = root["zoom"]; zoom) calibration.zoom = read_zoom(zoom, calibration.camera, yaml);
     return calibration;
   } catch (const YAML::Exception& error) {
     const int line = error.mark.is_null() ? 1 : error.mark.line + 1;

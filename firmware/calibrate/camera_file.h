@@ -25,10 +25,14 @@
 ///         rows: 9
 ///         cols: 9
 ///         data: [...]
+///
+/// A further one, `zoom`, is that of a zoom camera (zoom_file.h).
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "calibrate/calibration_record.h"
+#include "calibrate/zoom_table.h"
 #include "geometry/camera_model.h"
 
 namespace ninedot {
@@ -36,6 +40,7 @@ namespace ninedot {
 struct CameraCalibration {
   CameraModel camera;
   CalibrationRecord record;
+  std::optional<ZoomTable> zoom = {};  ///< of a zoom camera; `camera` is then the lens of one position
 };
 
 /// Reads and checks the text of a calibration file. \param name  how errors call the file

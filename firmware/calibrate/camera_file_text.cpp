@@ -18,22 +18,22 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
-std::string format_covariance(const Eigen::MatrixXd& covariance) {
+}  // namespace
+
+std::string format_covariance(const Eigen::MatrixXd& covariance, const std::string& indent) {
   std::string text = fmt::format(
-      "  covariance:  # of fx, fy, cx, cy and the coefficients in the order above; px and 1\n"
-      "    rows: {}\n    cols: {}\n    data: [",
-      covariance.rows(), covariance.cols());
+      "{0}covariance:  # of fx, fy, cx, cy and the coefficients in the order above; px and 1\n"
+      "{0}  rows: {1}\n{0}  cols: {2}\n{0}  data: [",
+      indent, covariance.rows(), covariance.cols());
   for (Eigen::Index row = 0; row < covariance.rows(); ++row)
     for (Eigen::Index column = 0; column < covariance.cols(); ++column)
       text += fmt::format("{}{:.9g}",
-                          row + column == 0 ? ""
-                          : column == 0     ? ",\n           "
+                          row + column == 0 ? std::string()
+                          : column == 0     ? ",\n" + indent + "         "
                                             : ", ",
                           covariance(row, column));
   return text + "]\n";
 }
-
-}  // namespace
 
 std::string format_calibrated_camera(const CameraModel& camera, const std::string& camera_name,
                                      const CalibrationNotes& notes) {
@@ -51,7 +51,7 @@ std::string format_calibrated_camera(const CameraModel& camera, const std::strin
       "  direction_sigma_max_px: {:.4g}  # where it is largest\n",
       quoted(notes.date), quoted(notes.camera_id), quoted(notes.lens), notes.views, notes.rms_px,
       notes.direction_sigma_px, notes.direction_sigma_max_px);
-  return text + format_covariance(notes.covariance);
+  return text + format_covariance(notes.covariance, "  ");
 }
 
 }  // namespace ninedot

@@ -34,6 +34,13 @@ class YamlReader {
   const std::string& name_;
 };
 
+/// Of the matrix `covariance` in a mapping: of fx, fy, cx, cy and the coefficients in the file's order [px, 1]; those
+/// that a file does not have 0. \param camera  whose intrinsics they are
+IntrinsicCovariance read_intrinsic_covariance(const YAML::Node& map, const CameraModel& camera, const YamlReader& yaml);
+
+/// Refuses focal lengths and centres that no lens of the picture's size has. \param where  they stand
+void check_intrinsics(const CameraModel& camera, const YAML::Node& where, const YamlReader& yaml);
+
 /// The mapping `calibration` of a file. \param camera  of the same file
 CalibrationRecord read_calibration_record(const YAML::Node& node, const CameraModel& camera, const YamlReader& yaml);
 

@@ -36,15 +36,14 @@ std::vector<MappedLandmark> those(const LandmarkMap& map, std::span<const std::s
 
 }  // namespace
 
-CodeIdentity::CodeIdentity(const CameraModel& camera, const LandmarkGeometry& landmark, const LandmarkMap& map)
-    : colours_(camera, landmark),
-      indices_(told_apart_by_colour(map)),
+CodeIdentity::CodeIdentity(const LandmarkMap& map)
+    : indices_(told_apart_by_colour(map)),
       has_black_(!indices_.empty() && is_black_and_white(map.landmarks()[indices_.back()].code)),
       codes_(those(map, indices_)) {}
 
-void CodeIdentity::look(const Frame& frame, const CameraFromLandmark& T_camera_landmark, const PictureNoise& noise,
-                        ShownColours& shown) const noexcept {
-  const DotColours now = colours_.read(frame.luma, frame.chroma, T_camera_landmark, noise);
+void CodeIdentity::look(const ColourReader& reader, const Frame& frame, const CameraFromLandmark& T_camera_landmark,
+                        const PictureNoise& noise, ShownColours& shown) const noexcept {
+  const DotColours now = reader.read(frame.luma, frame.chroma, T_camera_landmark, noise);
   if (!now.has_colour) return;
   const float kept = shown.frames < kMostFrames ? 1.0F : 1.0F - 1.0F / kMostFrames;
   const auto add = [kept](float& sum, float one) { sum = kept * sum + one; };
@@ -85,9 +84,10 @@ bool CodeIdentity::contradicts(std::size_t coded, const ShownColours& shown) con
   return shown.sum.has_colour && codes_.evidence_against(reader_index(coded), 0, shown.sum) > kContradicts;
 }
 
-bool CodeIdentity::is_still(std::size_t coded, const Frame& frame, const CameraFromLandmark& T_camera_landmark,
-                            const PictureNoise& noise, double& doubt) const noexcept {
-  const DotColours now = colours_.watch(frame.luma, frame.chroma, T_camera_landmark, noise, frame.number);
+bool CodeIdentity::is_still(std::size_t coded, const ColourReader& reader, const Frame& frame,
+                            const CameraFromLandmark& T_camera_landmark, const PictureNoise& noise,
+                            double& doubt) const noexcept {
+  const DotColours now = reader.watch(frame.luma, frame.chroma, T_camera_landmark, noise, frame.number);
   // Frames share their errors, so that each counts a quarter; what is sure stays no surer than it began.
   const double said = now.has_colour ? std::log(codes_.evidence_against(reader_index(coded), 0, now)) : 0;
   doubt = std::max(kForget * doubt + kFrameCounts * said, 0.0);

@@ -24,15 +24,16 @@ struct Identity {
 /// Memory: the constructor's. Threads: one caller.
 class CodeIdentity {
  public:
-  CodeIdentity(const CameraModel& camera, const LandmarkGeometry& landmark, const LandmarkMap& map);
+  explicit CodeIdentity(const LandmarkMap& map);
 
   /// No landmark of the map has a colour: there is nothing to read.
   bool is_colourless() const noexcept { return indices_.empty(); }
 
-  /// Adds what a picture shows to what those before it did. A ring's colours are read with the same error from frame to
-  /// frame (light, ink, where its dots fall on the sensor's pattern): frames count as kMostFrames at most.
-  void look(const Frame& frame, const CameraFromLandmark& T_camera_landmark, const PictureNoise& noise,
-            ShownColours& shown) const noexcept;
+  /// Adds what a picture shows, by the reader of its lens, to what those before it did. A ring's colours are read with
+  /// the same error from frame to frame (light, ink, where its dots fall on the sensor's pattern): frames count as
+  /// kMostFrames at most.
+  void look(const ColourReader& reader, const Frame& frame, const CameraFromLandmark& T_camera_landmark,
+            const PictureNoise& noise, ShownColours& shown) const noexcept;
   static constexpr int kMostFrames = 3;
 
   /// None: its colours do not tell it from another one of the map, or from none, to `max_odds`. \param max_odds  0..1
@@ -50,13 +51,12 @@ class CodeIdentity {
   /// \param coded  index into the map's landmarks() [1] \param T_camera_landmark  numbered by its code
   /// \param doubt  what the frames before said against it, as a logarithm, forgotten within some ten frames; goes on
   /// [1]
-  bool is_still(std::size_t coded, const Frame& frame, const CameraFromLandmark& T_camera_landmark,
-                const PictureNoise& noise, double& doubt) const noexcept;
+  bool is_still(std::size_t coded, const ColourReader& reader, const Frame& frame,
+                const CameraFromLandmark& T_camera_landmark, const PictureNoise& noise, double& doubt) const noexcept;
 
  private:
   std::size_t reader_index(std::size_t map_index) const noexcept;
 
-  ColourReader colours_;
   std::vector<std::size_t> indices_;  // into the map, of what `codes_` was made of
   bool has_black_ = false;            // the last of them stands for all black-and-white ones
   CodeReader codes_;

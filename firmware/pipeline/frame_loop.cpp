@@ -56,7 +56,7 @@ bool FrameLoop::step() noexcept {
     look_at_head();
     on_no_news();
   } else {
-    const Result<FrameLease> lease = source_.next(asked_at + options_.wait);
+    Result<FrameLease> lease = source_.next(asked_at + options_.wait);
     if (lease)
       on_frame(*lease);
     else
@@ -67,7 +67,11 @@ bool FrameLoop::step() noexcept {
   return !over();
 }
 
-void FrameLoop::on_frame(const FrameLease& lease) noexcept {
+void FrameLoop::on_frame(FrameLease& lease) noexcept {
+  if (options_.zoom_of_head) {
+    look_at_head();
+    lease.frame.zoom = zoom_at(lease.frame.exposed_at());
+  }
   const Fix& fix = processor_.process(lease.frame);
   look_at_head();
   last_frame_at_ = mono_now();
@@ -97,6 +101,10 @@ void FrameLoop::on_failure(const Error& error, MonoTime asked_at) noexcept {
 }
 
 void FrameLoop::look_at_head() noexcept { head_ = options_.head != nullptr ? &options_.head->take() : nullptr; }
+
+double FrameLoop::zoom_at(MonoTime time) const noexcept {
+  return head_ != nullptr && head_->zoom ? head_->zoom->at(time) : std::numeric_limits<double>::quiet_NaN();
+}
 
 void FrameLoop::on_no_news() noexcept {
   // A valid report shows the head of its exposure; it does not become another one afterwards.

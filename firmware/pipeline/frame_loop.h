@@ -28,6 +28,7 @@ struct FrameLoopOptions {
   bool memory_locked = false;                                             ///< passed on in Health
   BodyGeometry body{};                                                    ///< where the camera sits on the robot
   Handoff<HeadSnapshot>* head = nullptr;  ///< what the head does, of its own thread; null: there is no head
+  bool zoom_of_head = false;              ///< where the zoom stands in a frame the head says, not the source
   FrameObserver* observer = nullptr;      ///< shown each processed frame; null: nobody looks on
 };
 
@@ -67,9 +68,10 @@ class FrameLoop {
   void set_temperature(double degC) noexcept { temperature_degC_.store(degC, std::memory_order_relaxed); }
 
  private:
-  void on_frame(const FrameLease& lease) noexcept;
+  void on_frame(FrameLease& lease) noexcept;
   void on_failure(const Error& error, MonoTime asked_at) noexcept;
   void look_at_head() noexcept;
+  double zoom_at(MonoTime time) const noexcept;
   void on_no_news() noexcept;
   void publish(const Report& report) noexcept;
   void publish_health(MonoTime now) noexcept;

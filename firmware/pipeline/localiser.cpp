@@ -18,6 +18,11 @@ namespace {
 /// A reading that is worse by more is excluded: as where a mirror image isn't refined (pose/full_solver.cpp).
 constexpr double kExcluded_chi2 = 60;
 
+TrackOptions track_options(const CameraModel& camera, const LocaliserOptions& options) {
+  return {camera.fx_px, options.seeker.landmark, options.seeker.solver == Solver::kFull,
+          options.seeker.detector.upright};
+}
+
 }  // namespace
 
 std::uint16_t pose_quality(const PoseEstimate& pose) noexcept {
@@ -40,12 +45,10 @@ PoseInformation covariance_in_world(const Matrix6d& covariance,
 
 Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
     : options_(options),
-      seeker_(camera, options.seeker),
-      room_(std::make_unique<RoomMap>(camera, options.seeker.landmark, options.map, options.trust.max_ambiguity)),
-      track_({camera.fx_px, options.seeker.landmark, options.seeker.solver == Solver::kFull,
-              options.seeker.detector.upright}),
-      filter_(options.filter),
-      calibration_error_(camera, options.seeker.landmark, options.intrinsics) {}
+      lens_(std::make_unique<Lens>(camera, options.seeker, options.intrinsics, options.zoom), options.new_lenses),
+      room_(std::make_unique<RoomMap>(options.seeker.landmark, options.map, options.trust.max_ambiguity)),
+      track_(track_options(camera, options)),
+      filter_(options.filter) {}
 
 void Localiser::take_newest_map() noexcept {
   std::unique_ptr<RoomMap> fresh = options_.new_maps != nullptr ? options_.new_maps->take() : nullptr;
@@ -56,18 +59,25 @@ void Localiser::take_newest_map() noexcept {
   options_.new_maps->give_back(std::move(fresh));
 }
 
+/// Through another lens nothing is where it was.
+void Localiser::begin_anew() noexcept {
+  track_ = Track(track_options(lens_->seeker.camera(), options_));
+  filter_.reset();
+  next_guess_ = 0;
+}
+
 Result<std::size_t> Localiser::search(const Frame& frame) noexcept {
   track_.jump();
-  WorkBudget& budget = seeker_.budget();
+  WorkBudget& budget = lens_->seeker.budget();
   const std::size_t guess = std::exchange(next_guess_, 0);
   Result<std::size_t> chosen = fail(Errc::kNoLandmark, "nothing in the picture is a landmark");
   const auto try_guess = [&](const LandmarkObservation& seen) {
-    if (!chosen) chosen = seeker_.solve_guess(frame, seen, track_);
+    if (!chosen) chosen = lens_->seeker.solve_guess(frame, seen, track_);
     return chosen || budget.pixels > 0;
   };
-  NINEDOT_TRY(const auto likely, seeker_.detector().find_landmarks(frame.luma, budget));
+  NINEDOT_TRY(const auto likely, lens_->seeker.detector().find_landmarks(frame.luma, budget));
   if (guess == 0 && (!try_guess(likely.front()) || chosen)) return chosen;
-  NINEDOT_TRY(const auto unlikely, seeker_.detector().find_more_landmarks(frame.luma, budget));
+  NINEDOT_TRY(const auto unlikely, lens_->seeker.detector().find_more_landmarks(frame.luma, budget));
   std::size_t begin_at = guess > 0 ? guess - 1 : 0;
   const std::size_t tried =
       go_round(unlikely.size(), begin_at, [&](std::size_t rank) { return try_guess(unlikely[rank]); });
@@ -86,7 +96,7 @@ void Localiser::follow_in_world(const Frame& frame, const LandmarkFix& fix) noex
   }
   LandmarkSighting sighting = fix.sighting;
   widen_by_scatter(sighting, options_.seeker.landmark);
-  widen(sighting, seeker_.row_motion().uncertainty, seeker_.camera());
+  widen(sighting, lens_->seeker.row_motion().uncertainty, lens_->seeker.camera());
   const JointMember member{&sighting, mapped.T_world_landmark, &mapped.covariance};
   InlineVector<WorldReading, PoseFilter::kMaxReadings> readings;
   const PoseCandidate& believed = fix.candidates.list[fix.chosen];
@@ -109,9 +119,9 @@ void Localiser::follow_in_world(const Frame& frame, const LandmarkFix& fix) noex
 }
 
 void Localiser::add_calibration_error(LandmarkFix& fix) noexcept {
-  if (!calibration_error_.is_known()) return;
+  if (!lens_->calibration_error.is_known()) return;
   PoseCandidate& candidate = fix.candidates.list[fix.chosen];
-  const Matrix6d share = calibration_error_.share_of(candidate);
+  const Matrix6d share = lens_->calibration_error.share_of(candidate);
   candidate.pose.covariance += share;
   fix.calibration_sigma_m = fix.calibration_sigma_world_m = position_sigma_m(share);
   calibration_share_ = covariance_in_world(share, mapped().T_world_landmark);
@@ -123,7 +133,7 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bo
   fix.id = landmark.id;
   fix.candidates = candidates;
   fix.chosen = chosen;
-  widen(fix.candidates.list[chosen].pose, seeker_.row_motion().uncertainty, seeker_.camera());
+  widen(fix.candidates.list[chosen].pose, lens_->seeker.row_motion().uncertainty, lens_->seeker.camera());
   add_calibration_error(fix);
   const PoseEstimate& pose = fix.pose();
   fix.T_world_camera = landmark.T_world_landmark * pose.T_landmark_camera;
@@ -144,20 +154,31 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
   fix_.world.reset();
   fix_.calibrated = options_.calibrated;
   fix_.solver = options_.seeker.solver;
-  seeker_.begin(frame, options_.budget);
+  const LensInUse::Fit lens = lens_.fit_to(frame);
+  if (lens != LensInUse::Fit::kSame) begin_anew();
+  if (lens != LensInUse::Fit::kNone)
+    look_at(frame);
+  else
+    fix_.reason = Reason::kZoom, fix_.tracked = fix_.found = false, fix_.track.reset();
+  fix_.process_time = mono_now() - begin;
+  return fix_;
+}
 
+/// The whole path of a frame whose lens is there.
+void Localiser::look_at(const Frame& frame) noexcept {
+  lens_->seeker.begin(frame, options_.budget);
   // Without tracking a frame's answer depends on that frame alone.
   if (!options_.tracking || track_.is_numbering_refuted()) track_.reset(), filter_.reset();
   const bool has_track = options_.tracking && track_.has_sighting() && next_guess_ == 0;
   Result<std::size_t> chosen = fail(Errc::kNoLandmark, "there is no track");
-  if (has_track) chosen = seeker_.follow_outlines(frame, track_);
-  if (has_track && !chosen) chosen = seeker_.detect_near_track(frame, track_);
+  if (has_track) chosen = lens_->seeker.follow_outlines(frame, track_);
+  if (has_track && !chosen) chosen = lens_->seeker.detect_near_track(frame, track_);
   fix_.tracked = chosen.has_value();
   if (!chosen) chosen = search(frame);  // the landmark jumped, or what was near the track is not it
 
-  WorkBudget& budget = seeker_.budget();
+  WorkBudget& budget = lens_->seeker.budget();
   if (chosen) {
-    add_fix(seeker_.candidates(), *chosen, true);
+    add_fix(lens_->seeker.candidates(), *chosen, true);
     if (options_.seeker.solver == Solver::kFull) follow_in_world(frame, fix_.main());
   } else {
     track_.lose_pose(track_.has_sighting());
@@ -167,16 +188,14 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
     if (out_of_pixels && next_guess_ == 0) next_guess_ = 1;
     budget.is_overdrawn |= out_of_pixels;
     if (out_of_pixels || (fix_.reason == Reason::kNoLandmark && budget.is_overdrawn)) fix_.reason = Reason::kCrowded;
-    if (seeker_.misfit()) add_fix(*seeker_.misfit(), 0, false);
+    if (lens_->seeker.misfit()) add_fix(*lens_->seeker.misfit(), 0, false);
   }
   fix_.track = filter_.at(frame.exposed_at());
   if (fix_.track) fix_.track->covariance.topLeftCorner<6, 6>() += calibration_share_;
   fix_.found = track_.has_sighting() || !fix_.landmarks.empty();
   if (budget.is_overdrawn) ++frames_cut_;
-  fix_.work = seeker_.detector().counts();
+  fix_.work = lens_.counts();
   fix_.work.frames_cut = frames_cut_;
-  fix_.process_time = mono_now() - begin;
-  return fix_;
 }
 
 }  // namespace ninedot

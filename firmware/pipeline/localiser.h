@@ -3,9 +3,8 @@
 #include <memory>
 #include <optional>
 
-#include "pipeline/calibration_error.h"
 #include "pipeline/frame_processor.h"
-#include "pipeline/landmark_seeker.h"
+#include "pipeline/lens.h"
 #include "pipeline/room_map.h"
 #include "pipeline/verdict.h"
 #include "world/landmark_map.h"
@@ -35,6 +34,10 @@ struct LocaliserOptions {
   bool calibrated = true;
   /// What the calibration leaves open about the intrinsics [px^2, px, 1]; none: it does not say, and no sigma knows.
   std::optional<IntrinsicCovariance> intrinsics{};
+  /// Of a zoom camera, where its camera model holds [steps]; none: unknown, or it has no zoom.
+  std::optional<int> zoom{};
+  /// Where the lenses of other positions come from; null: the first one serves all frames. Must outlive the localiser.
+  LensExchange* new_lenses = nullptr;
 };
 
 /// How much to trust a pose, 0..1000: 1000 * precision * visible * unique, rounded, where
@@ -62,7 +65,9 @@ class Localiser final : public FrameProcessor {
 
  private:
   void take_newest_map() noexcept;
+  void begin_anew() noexcept;
   const MappedLandmark& mapped() const noexcept { return room_->map.landmarks().front(); }
+  void look_at(const Frame& frame) noexcept;
   Result<std::size_t> search(const Frame& frame) noexcept;
   void add_fix(const PoseCandidates& candidates, std::size_t chosen, bool fits) noexcept;
 
@@ -70,11 +75,10 @@ class Localiser final : public FrameProcessor {
   void follow_in_world(const Frame& frame, const LandmarkFix& fix) noexcept;
 
   const LocaliserOptions options_;
-  LandmarkSeeker seeker_;
+  LensInUse lens_;
   std::unique_ptr<RoomMap> room_;
   Track track_;
   PoseFilter filter_;
-  CalibrationError calibration_error_;
   PoseInformation calibration_share_ = PoseInformation::Zero();  // of the newest place in the world
   // What the frame before had no pixels left for: 0 nothing; else the search leaves out the likeliest guess and begins
   // with this one of the less likely.

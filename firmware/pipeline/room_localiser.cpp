@@ -70,11 +70,10 @@ Reason reason_of(WorldVerdict verdict) noexcept {
 
 RoomLocaliser::RoomLocaliser(const CameraModel& camera, const LocaliserOptions& options)
     : options_(without_map(options)),
-      camera_(camera),
-      seeker_(camera, with_map(options.seeker)),
-      room_(std::make_unique<RoomMap>(camera, options.seeker.landmark, options.map, options.trust.max_ambiguity)),
-      filter_(options.filter),
-      calibration_error_(camera, options.seeker.landmark, options.intrinsics) {}
+      lens_(std::make_unique<Lens>(camera, with_map(options.seeker), options.intrinsics, options.zoom),
+            options.new_lenses),
+      room_(std::make_unique<RoomMap>(options.seeker.landmark, options.map, options.trust.max_ambiguity)),
+      filter_(options.filter) {}
 
 /// A map that has come takes the place of the one before. Rings in view stay followed, and who they are stays known
 /// where both maps have the sheet; the track begins anew where its landmarks hang elsewhere.
@@ -92,6 +91,13 @@ void RoomLocaliser::take_newest_map() noexcept {
   }
   std::swap(room_, fresh);
   options_.new_maps->give_back(std::move(fresh));
+}
+
+/// Through another lens nothing is where it was.
+void RoomLocaliser::begin_anew() noexcept {
+  in_view_.clear();
+  lost_.clear();
+  filter_.reset();
 }
 
 const LandmarkObservation* RoomLocaliser::last_observation() const noexcept {
@@ -112,8 +118,8 @@ std::optional<CameraTwist> RoomLocaliser::twist_at(MonoTime time) const noexcept
 
 /// The seeker's answer.
 void RoomLocaliser::take_found(InView& landmark, std::size_t chosen) const noexcept {
-  landmark.candidates = seeker_.candidates();
-  landmark.row_motion = seeker_.row_motion();
+  landmark.candidates = lens_->seeker.candidates();
+  landmark.row_motion = lens_->seeker.row_motion();
   landmark.chosen = chosen;
 }
 
@@ -127,11 +133,11 @@ void RoomLocaliser::follow(const Frame& frame) noexcept {
     if (landmark.track.is_numbering_refuted()) continue;
     if (twist && landmark.track.prior() != nullptr)
       landmark.track.foretell(twist->of_sheet_at(landmark.track.prior()->T_camera_landmark.translation_m));
-    Result<std::size_t> chosen = seeker_.follow_outlines(frame, landmark.track);
+    Result<std::size_t> chosen = lens_->seeker.follow_outlines(frame, landmark.track);
     landmark.is_followed = chosen.has_value();
-    if (!chosen) chosen = seeker_.detect_near_track(frame, landmark.track);
+    if (!chosen) chosen = lens_->seeker.detect_near_track(frame, landmark.track);
     if (!chosen && landmark.track.prior() != nullptr)
-      chosen = seeker_.look_at(frame, landmark.track.expected_at(frame.exposed_at()), landmark.track);
+      chosen = lens_->seeker.look_at(frame, landmark.track.expected_at(frame.exposed_at()), landmark.track);
     if (!chosen) {
       if (landmark.track.prior() != nullptr) (void)lost_.try_push_back(landmark);  // no more than were in view
       continue;
@@ -160,12 +166,14 @@ void RoomLocaliser::look_where_expected(const Frame& frame) noexcept {
     if (!(p_m.z() > 0) || p_m.squaredNorm() > kFarthest_m * kFarthest_m) continue;
     const CameraFromLandmark T = T_camera_world * landmark.T_world_landmark;
     if (-T.rotation.col(1).dot(p_m.normalized()) < kLeastFacing) continue;
-    const Eigen::Vector2d px = camera_.pixel_from_normalised(p_m.hnormalized());
-    if (!(px.x() > 0 && px.y() > 0 && px.x() < camera_.width_px && px.y() < camera_.height_px)) continue;
+    const Eigen::Vector2d px = lens_->seeker.camera().pixel_from_normalised(p_m.hnormalized());
+    if (!(px.x() > 0 && px.y() > 0 && px.x() < lens_->seeker.camera().width_px &&
+          px.y() < lens_->seeker.camera().height_px))
+      continue;
     const LandmarkForecast expected(T);
     if (is_known(expected.H_ray_plane)) continue;
-    const double usable =
-        std::max(kUsableOfRing * 2 * options_.seeker.landmark.ring_radius_m / p_m.norm(), kUsable_px / camera_.fx_px);
+    const double usable = std::max(kUsableOfRing * 2 * options_.seeker.landmark.ring_radius_m / p_m.norm(),
+                                   kUsable_px / lens_->seeker.camera().fx_px);
     if (!(foretold_ray_sigma(forecast->T_world_camera, forecast->covariance, landmark.T_world_landmark,
                              landmark.covariance, options_.seeker.landmark) < usable))
       continue;
@@ -183,16 +191,16 @@ bool RoomLocaliser::begin_where_expected(const Frame& frame, const CameraFromLan
                                          std::size_t map_index) noexcept {
   if (in_view_.full()) return false;
   InView landmark;
-  landmark.track = Track(track_options(camera_, options_));
+  landmark.track = Track(track_options(lens_->seeker.camera(), options_));
   const bool is_coded = !is_black_and_white(room_->map.landmarks()[map_index].code);
   if (is_coded) landmark.expected = map_index;
   Result<std::size_t> chosen = fail(Errc::kNoLandmark, "there is nothing yet");
   const LandmarkForecast there(T_camera_landmark, is_coded ? ForecastNumbers::kCertain : ForecastNumbers::kForetold);
-  if (const auto seen = seeker_.detector().find_landmark_near(frame.luma, there, seeker_.budget())) {
+  if (const auto seen = lens_->seeker.detector().find_landmark_near(frame.luma, there, lens_->seeker.budget())) {
     if (is_known(seen->H_ray_plane)) return false;
-    chosen = seeker_.solve_guess(frame, *seen, landmark.track);
+    chosen = lens_->seeker.solve_guess(frame, *seen, landmark.track);
   }
-  if (!chosen) chosen = seeker_.look_at(frame, T_camera_landmark, landmark.track);
+  if (!chosen) chosen = lens_->seeker.look_at(frame, T_camera_landmark, landmark.track);
   if (!chosen) return false;
   take_found(landmark, *chosen);
   (void)in_view_.try_push_back(landmark);
@@ -205,10 +213,10 @@ void RoomLocaliser::look_everywhere(const Frame& frame) noexcept {
     for (const LandmarkObservation& seen : found)
       if (!is_known(seen.H_ray_plane) && !go_on_elsewhere(frame, seen)) (void)begin_to_follow(frame, seen);
   };
-  if (const auto found = seeker_.detector().find_all_landmarks(frame.luma, seeker_.budget())) begin(*found);
+  if (const auto found = lens_->seeker.detector().find_all_landmarks(frame.luma, lens_->seeker.budget())) begin(*found);
   if (!in_view_.empty()) return;
   // The search for one looks closer, and begins with the ring where P9 is spoiled.
-  if (const auto found = seeker_.detector().find_landmarks(frame.luma, seeker_.budget())) begin(*found);
+  if (const auto found = lens_->seeker.detector().find_landmarks(frame.luma, lens_->seeker.budget())) begin(*found);
 }
 
 /// Whether a landmark there is in view already: its middle lies within the ring of one that is. Sheets don't overlap.
@@ -223,8 +231,8 @@ bool RoomLocaliser::is_known(const Eigen::Matrix3d& H_ray_plane) const noexcept 
 
 bool RoomLocaliser::begin_to_follow(const Frame& frame, const LandmarkObservation& seen) noexcept {
   if (in_view_.full()) return false;
-  Track track(track_options(camera_, options_));
-  const auto chosen = seeker_.solve_guess(frame, seen, track);
+  Track track(track_options(lens_->seeker.camera(), options_));
+  const auto chosen = lens_->seeker.solve_guess(frame, seen, track);
   if (!chosen) return false;
   InView landmark;
   landmark.track = track;
@@ -249,7 +257,7 @@ bool RoomLocaliser::go_on_elsewhere(const Frame& frame, const LandmarkObservatio
   }
   if (nearest == nullptr) return false;
   InView landmark = *nearest;
-  const auto chosen = seeker_.solve_guess(frame, seen, landmark.track);
+  const auto chosen = lens_->seeker.solve_guess(frame, seen, landmark.track);
   if (!chosen) return false;
   take_found(landmark, *chosen);
   const double before_m = nearest->track.prior()->T_camera_landmark.translation_m.norm();
@@ -269,18 +277,19 @@ void RoomLocaliser::identify(const Frame& frame) noexcept {
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     InView& landmark = in_view_[i];
     const CameraFromLandmark T = landmark.candidates.list[landmark.chosen].pose.T_landmark_camera.inverse();
-    const CameraFromLandmark T_shown = as_exposed(T, landmark.row_motion.sheet, camera_);
+    const CameraFromLandmark T_shown = as_exposed(T, landmark.row_motion.sheet, lens_->seeker.camera());
     // What was detected anew near there may be another sheet: its colours have to say that it is not.
     if (landmark.identity && landmark.identity->coded && !landmark.is_fresh && !landmark.is_followed) {
       ShownColours now;
-      room_->codes.look(frame, T_shown, seeker_.noise(), now);
+      room_->codes.look(lens_->colours, frame, T_shown, lens_->seeker.noise(), now);
       if (room_->codes.contradicts(*landmark.identity->coded, now)) {
         landmark.forget_identity();
         frames_since_search_ = options_.search_every;
       }
     }
     if (!landmark.identity) {
-      if (!room_->codes.is_colourless()) room_->codes.look(frame, T_shown, seeker_.noise(), landmark.colours);
+      if (!room_->codes.is_colourless())
+        room_->codes.look(lens_->colours, frame, T_shown, lens_->seeker.noise(), landmark.colours);
       landmark.identity = room_->codes.identify(landmark.colours, options_.trust.max_ambiguity);
       if (landmark.identity && landmark.identity->coded) number_by_code(frame, landmark);
       if (!landmark.identity && landmark.expected) {
@@ -288,7 +297,9 @@ void RoomLocaliser::identify(const Frame& frame) noexcept {
         if (landmark.identity) landmark.track.know_numbering();  // as the map foretold it
       }
     } else if (landmark.identity->coded && !landmark.is_fresh) {
-      if (!room_->codes.is_still(*landmark.identity->coded, frame, T_shown, seeker_.noise(), landmark.doubt)) continue;
+      if (!room_->codes.is_still(*landmark.identity->coded, lens_->colours, frame, T_shown, lens_->seeker.noise(),
+                                 landmark.doubt))
+        continue;
     }
     if (kept != i) in_view_[kept] = landmark;
     ++kept;
@@ -299,7 +310,7 @@ void RoomLocaliser::identify(const Frame& frame) noexcept {
 void RoomLocaliser::number_by_code(const Frame& frame, InView& landmark) noexcept {
   const int turn = static_cast<int>(landmark.identity->turn);
   const LandmarkObservation seen = renumbered(landmark.track.sighting(), turn);
-  landmark.candidates = renumbered(landmark.candidates, turn, camera_, options_.seeker.landmark);
+  landmark.candidates = renumbered(landmark.candidates, turn, lens_->seeker.camera(), options_.seeker.landmark);
   landmark.track.reset();
   landmark.track.know_numbering();
   landmark.track.see(seen);
@@ -314,7 +325,19 @@ const Fix& RoomLocaliser::process(const Frame& frame) noexcept {
   fix_.world.reset();
   fix_.calibrated = options_.calibrated;
   fix_.solver = options_.seeker.solver;
-  seeker_.begin(frame, kRoomBudget, twist_at(frame.exposed_at()));
+  const LensInUse::Fit lens = lens_.fit_to(frame);
+  if (lens != LensInUse::Fit::kSame) begin_anew();
+  if (lens != LensInUse::Fit::kNone)
+    look_at(frame);
+  else
+    fix_.reason = Reason::kZoom, fix_.tracked = fix_.found = false, fix_.track.reset();
+  fix_.process_time = mono_now() - begin;
+  return fix_;
+}
+
+/// The whole path of a frame whose lens is there.
+void RoomLocaliser::look_at(const Frame& frame) noexcept {
+  lens_->seeker.begin(frame, kRoomBudget, twist_at(frame.exposed_at()));
 
   if (options_.tracking) {
     follow(frame);
@@ -332,7 +355,7 @@ const Fix& RoomLocaliser::process(const Frame& frame) noexcept {
   }
   const WorldVerdict verdict = place_in_world(frame);
 
-  WorkBudget& budget = seeker_.budget();
+  WorkBudget& budget = lens_->seeker.budget();
   budget.is_overdrawn |= budget.pixels <= 0;
   if (budget.is_overdrawn) ++frames_cut_;
   fix_.found = !in_view_.empty();
@@ -341,10 +364,8 @@ const Fix& RoomLocaliser::process(const Frame& frame) noexcept {
                 : budget.is_overdrawn   ? Reason::kCrowded
                                         : Reason::kNoLandmark;
   if (fix_.reason == Reason::kNone) fix_.reason = reason_of(verdict);
-  fix_.work = seeker_.detector().counts();
+  fix_.work = lens_.counts();
   fix_.work.frames_cut = frames_cut_;
-  fix_.process_time = mono_now() - begin;
-  return fix_;
 }
 
 }  // namespace ninedot

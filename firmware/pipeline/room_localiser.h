@@ -43,6 +43,8 @@ class RoomLocaliser final : public FrameProcessor {
   };
 
   void take_newest_map() noexcept;
+  void begin_anew() noexcept;
+  void look_at(const Frame& frame) noexcept;
   std::optional<CameraTwist> twist_at(MonoTime time) const noexcept;
   void take_found(InView& landmark, std::size_t chosen) const noexcept;
   void follow(const Frame& frame) noexcept;
@@ -74,11 +76,9 @@ class RoomLocaliser final : public FrameProcessor {
   bool is_known(const Eigen::Matrix3d& H_ray_plane) const noexcept;
 
   const LocaliserOptions options_;
-  CameraModel camera_;
-  LandmarkSeeker seeker_;
+  LensInUse lens_;
   std::unique_ptr<RoomMap> room_;
   PoseFilter filter_;
-  CalibrationError calibration_error_;
   PoseInformation calibration_share_ = PoseInformation::Zero();  // of the newest place in the world
   InlineVector<InView, kMaxLandmarksInView> in_view_;
   InlineVector<InView, kMaxLandmarksInView> lost_;  ///< in view in the frame before, and not where they should be

@@ -6,9 +6,9 @@
 
 namespace ninedot {
 
-RoomMap::RoomMap(const CameraModel& camera, const LandmarkGeometry& landmark, LandmarkMap of, double max_ambiguity)
+RoomMap::RoomMap(const LandmarkGeometry& landmark, LandmarkMap of, double max_ambiguity)
     : map(std::move(of)),
-      codes(camera, landmark, map),
+      codes(map),
       world(placed_landmarks(map), landmark, {.max_ambiguity = max_ambiguity}),
       missed(map.landmarks().size()),
       wait(map.landmarks().size()),

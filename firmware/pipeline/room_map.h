@@ -14,7 +14,7 @@ namespace ninedot {
 /// Memory: everything is allocated by the constructor. Threads: one at a time.
 struct RoomMap {
   /// \param max_ambiguity  of a place of the camera, 0..1
-  RoomMap(const CameraModel& camera, const LandmarkGeometry& landmark, LandmarkMap of, double max_ambiguity);
+  RoomMap(const LandmarkGeometry& landmark, LandmarkMap of, double max_ambiguity);
 
   /// Takes the place of `before`: what the frames said of sheets that both maps have in the same place stays known.
   /// Compares two landmarks for each of this map: 0.1 ms for 1000. \return  whether the track of the camera may go on:

@@ -35,7 +35,7 @@ WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
     SightedLandmark seen;
     seen.sighting = {0, believed.pose.T_landmark_camera.inverse(), believed.dots};
     widen_by_scatter(seen.sighting, options_.seeker.landmark);
-    widen(seen.sighting, landmark.row_motion.uncertainty, camera_);
+    widen(seen.sighting, landmark.row_motion.uncertainty, lens_->seeker.camera());
     for (std::size_t other = 0; other < landmark.candidates.list.size(); ++other) {
       const PoseCandidate& mirror = landmark.candidates.list[other];
       const double above_chi2 = mirror.chi2_above - believed.chi2_above;
@@ -104,9 +104,9 @@ void RoomLocaliser::follow_in_world(const Frame& frame, const WorldPose& world,
 
 /// Once for all landmarks and all frames.
 void RoomLocaliser::add_calibration_error(std::span<const JointMember> used, WorldPose& world) noexcept {
-  if (!calibration_error_.is_known()) return;
+  if (!lens_->calibration_error.is_known()) return;
   if (!used.empty()) {
-    calibration_share_ = calibration_error_.share_of(used, world.T_world_camera);
+    calibration_share_ = lens_->calibration_error.share_of(used, world.T_world_camera);
     world.covariance += calibration_share_;
   }
   if (fix_.track) fix_.track->covariance.topLeftCorner<6, 6>() += calibration_share_;
@@ -158,14 +158,14 @@ void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const
   const int turn = static_cast<int>(verdict.turn);
   LandmarkFix fix;
   fix.id = mapped.id;
-  fix.candidates =
-      turn == 0 ? landmark.candidates : renumbered(landmark.candidates, turn, camera_, options_.seeker.landmark);
+  fix.candidates = turn == 0 ? landmark.candidates
+                             : renumbered(landmark.candidates, turn, lens_->seeker.camera(), options_.seeker.landmark);
   fix.chosen = landmark.chosen;
   PoseEstimate& pose = fix.candidates.list[fix.chosen].pose;
   const bool is_used = world.is_valid() && verdict.use == SightingUse::kUsed;
-  widen(pose, landmark.row_motion.uncertainty, camera_);
-  if (calibration_error_.is_known()) {
-    const Matrix6d share = calibration_error_.share_of(fix.candidates.list[fix.chosen]);
+  widen(pose, landmark.row_motion.uncertainty, lens_->seeker.camera());
+  if (lens_->calibration_error.is_known()) {
+    const Matrix6d share = lens_->calibration_error.share_of(fix.candidates.list[fix.chosen]);
     pose.covariance += share;
     fix.calibration_sigma_m = position_sigma_m(share);
     fix.calibration_sigma_world_m = world.is_valid() ? position_sigma_m(calibration_share_) : fix.calibration_sigma_m;

@@ -2,8 +2,10 @@
 /// The pan/tilt head. Implemented in drivers/servo.
 #include <chrono>
 #include <cstdint>
+#include <optional>
 
 #include "base/head_angles.h"
+#include "base/zoom_stand.h"
 
 namespace ninedot {
 
@@ -16,7 +18,8 @@ struct HeadState {
   bool failed = false;    ///< the newest command could not be carried out, or the head does not answer
   /// How far the widths of software-made pulses are off; 0 where hardware makes them.
   std::chrono::nanoseconds pulse_error_p99{}, pulse_error_max{};
-  std::uint32_t losses = 0;  ///< how often the head fell silent or its line vanished
+  std::uint32_t losses = 0;       ///< how often the head fell silent or its line vanished
+  std::optional<ZoomStand> zoom;  ///< of the lens on it; none: on its way, not known, or the head has none
 };
 
 /// The constructor leaves the head where it is, as far as that is known; who moves it ramps from `state`. Memory: none

@@ -27,6 +27,7 @@
 #include "drivers/servo/visca_pan_tilt.h"
 #include "programs/assembly/motion_options.h"
 #include "programs/assembly/simulation_options.h"
+#include "programs/assembly/zoom_choice.h"
 
 namespace ninedot {
 namespace {
@@ -36,6 +37,9 @@ constexpr const char* kPwmRoot = "/sys/class/pwm";
 constexpr std::chrono::milliseconds kPca9685LookInterval{100};
 // Of a frame at 35 Hz two thirds; one question and its two answers take 3 ms at 1 Mbaud, 20 at 57600.
 constexpr std::chrono::milliseconds kSmartLookInterval{20};
+// A question with its answer takes the line for 15 ms, and the camera for a field of its picture: a twelfth of the
+// time.
+constexpr std::chrono::milliseconds kZoomInterval{200};
 
 std::chrono::nanoseconds period_of(const PanTiltConfig& config) {
   return std::chrono::nanoseconds(std::llround(config.period_ms * 1e6));
@@ -62,14 +66,14 @@ std::unique_ptr<PanTilt> open_gpio(const PanTiltConfig& config, const HeadAngles
   return head;
 }
 
-std::unique_ptr<PanTilt> open_visca(const PanTiltConfig& config, std::string& description) {
+std::unique_ptr<PanTilt> open_visca(const PanTiltConfig& config, bool follows_zoom, std::string& description) {
   ViscaOptions options;
+  if (follows_zoom) options.zoom_interval = kZoomInterval;
   options.device = config.device;
   if (config.address > 0) options.address = config.address;
   if (config.zoom >= 0) options.zoom = config.zoom;
   auto head = std::make_unique<ViscaPanTilt>(options, servo_axes(config));
-  if (const auto focal_length_mm = head->focal_length_mm())
-    description += fmt::format(", zoom {} (f = {:.1f} mm)", head->zoom().value_or(config.zoom), *focal_length_mm);
+  if (const auto zoom = head->zoom()) description += fmt::format(", zoom {}", *zoom);
   return head;
 }
 
@@ -141,10 +145,10 @@ std::unique_ptr<PanTilt> open_smart_servos(const PanTiltConfig& config, const He
 }
 
 std::unique_ptr<PanTilt> open_servos(const PanTiltConfig& config, const std::shared_ptr<HeadLine>& head_line,
-                                     const HeadAngles& at, std::string& description) {
+                                     bool follows_zoom, const HeadAngles& at, std::string& description) {
   if (config.driver == "sysfs-pwm") return open_sysfs_pwm(config, at);
   if (config.driver == "gpio") return open_gpio(config, at, description);
-  if (config.driver == "visca") return open_visca(config, description);
+  if (config.driver == "visca") return open_visca(config, follows_zoom, description);
   if (config.driver == "pca9685") return open_pca9685(config, at);
   if (is_smart(config)) return open_smart_servos(config, at, description);
   EXPECTS(config.driver == "simulated");
@@ -164,14 +168,14 @@ std::string habits_of(const PanTiltConfig& config, const CameraModel& camera) {
   return fmt::format("follows the landmark, a search takes {:.1f} s at most", s);
 }
 
-std::unique_ptr<PanTilt> open_late(const Config& config, const CameraModel& camera,
-                                   const std::shared_ptr<HeadLine>& head_line, const DigitalInput* inhibit,
-                                   std::vector<WatchedDevice>& devices) {
+/// \param habits  of the head, for the log
+std::unique_ptr<PanTilt> open_late(const Config& config, const std::string& habits,
+                                   const std::shared_ptr<HeadLine>& head_line, bool follows_zoom,
+                                   const DigitalInput* inhibit, std::vector<WatchedDevice>& devices) {
   const auto description = std::make_shared<DeviceNote>();
-  const auto servos = [head = config.pan_tilt, head_line, description,
-                       habits = habits_of(config.pan_tilt, camera)](const HeadAngles& at) {
+  const auto servos = [head = config.pan_tilt, head_line, follows_zoom, description, habits](const HeadAngles& at) {
     std::string text = fmt::format("{}, {}", head.driver, habits);
-    std::unique_ptr<PanTilt> opened = open_servos(head, head_line, at, text);
+    std::unique_ptr<PanTilt> opened = open_servos(head, head_line, follows_zoom, at, text);
     description->set(text);
     return opened;
   };
@@ -217,7 +221,15 @@ void check_ports_differ(const Config& config) {
 
 }  // namespace
 
-OpenedHead open_head(const Config& config, const CameraModel& camera, const std::shared_ptr<HeadLine>& head_line) {
+std::unique_ptr<PanTilt> open_zoom_teller(const Config& config) {
+  if (!head_tells_zoom(config.pan_tilt)) return nullptr;
+  check_ports_differ(config);
+  std::vector<WatchedDevice> unwatched;
+  return open_late(config, "is not moved", nullptr, true, nullptr, unwatched);
+}
+
+OpenedHead open_head(const Config& config, const CameraModel& camera, const std::shared_ptr<HeadLine>& head_line,
+                     bool follows_zoom) {
   check_ports_differ(config);
   OpenedHead head;
   const GpioConfig& gpio = config.gpio;
@@ -230,7 +242,8 @@ OpenedHead open_head(const Config& config, const CameraModel& camera, const std:
     head.inhibit = std::move(inhibit);
   }
   if (config.pan_tilt.driver != "none") {
-    head.servos = open_late(config, camera, head_line, head.inhibit.get(), head.devices);
+    head.servos = open_late(config, habits_of(config.pan_tilt, camera), head_line, follows_zoom, head.inhibit.get(),
+                            head.devices);
     head.output = std::make_unique<HeadOutput>(camera, aim_options(config.pan_tilt, body_geometry(config.body)),
                                                *head.servos, head.inhibit.get(), first_order(config.pan_tilt));
   } else if (!gpio.servo_power.empty()) {

@@ -30,7 +30,13 @@ struct OpenedHead {
 /// Throws StartupError(kWrongUsage) for what no waiting mends: a channel or offset that its chip does not have, a
 /// device that is no serial port.
 /// \param head_line  to the servos of a simulated camera, for driver "simulated"; null: that head is in memory only
-OpenedHead open_head(const Config& config, const CameraModel& camera, const std::shared_ptr<HeadLine>& head_line);
+/// \param follows_zoom  its zoom may move, and is asked for again and again where it can tell it
+OpenedHead open_head(const Config& config, const CameraModel& camera, const std::shared_ptr<HeadLine>& head_line,
+                     bool follows_zoom);
+
+/// A head that tells where its zoom stands, for who does not move it; null: that of the configuration can't. One that
+/// is not there is waited for. Throws likewise.
+std::unique_ptr<PanTilt> open_zoom_teller(const Config& config);
 
 /// What open_head would refuse or wait for, part by part; moves and drives nothing.
 /// \param attempt  called with a key and a step, which throws as the devices' drivers do: DeviceAbsent, StartupError

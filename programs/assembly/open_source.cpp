@@ -12,6 +12,7 @@
 #include "drivers/recording/recording_source.h"
 #include "programs/assembly/input_files.h"
 #include "programs/assembly/simulation_options.h"
+#include "programs/assembly/zoom_choice.h"
 
 namespace ninedot {
 namespace {
@@ -30,7 +31,8 @@ OpenedSource open_recording(const CameraConfig& config, FrameDemand demand) {
   }
   auto source = std::make_unique<RecordingSource>(config.device, options);
   const std::size_t frame_count = options.loop ? 0 : source->frame_count();
-  return {std::move(source), describe_recording_failure, {}, {}, frame_count, nullptr};
+  const bool tells_zoom = source->tells_zoom();
+  return {std::move(source), describe_recording_failure, {}, {}, frame_count, nullptr, tells_zoom};
 }
 
 PowerLine power_line_of(const std::string& name) {
@@ -74,12 +76,14 @@ OpenedSource open_camera(std::unique_ptr<CameraDevice> device, const CameraConfi
   auto source = std::make_unique<ReopeningSource>(std::move(device), options);
   std::string refusal = source->last_refusal();
   std::string description = refusal.empty() ? source->description() : std::string();
-  return {std::move(source), nullptr, std::move(description), std::move(refusal), 0, nullptr};
+  return {std::move(source), nullptr, std::move(description), std::move(refusal), 0, nullptr, false};
 }
 
 OpenedSource open_simulation(const Config& config, FrameDemand demand) {
   constexpr std::uint64_t kSeed = 1;
-  SimulationOptions options = simulation_options(config, read_camera_calibration(config.camera).camera, kSeed);
+  CameraCalibration calibration = read_camera_calibration(config.camera);
+  choose_zoom(calibration, config.pan_tilt, false);
+  SimulationOptions options = simulation_options(config, calibration.camera, kSeed);
   options.loop = demand == FrameDemand::kNewest && config.camera.loop;
   OpenedSource opened;
   opened.head_line = std::make_shared<HeadLine>();
@@ -99,7 +103,7 @@ std::string calibration_file(const CameraConfig& config) {
 }
 
 CameraCalibration read_camera_calibration(const CameraConfig& config) {
-  if (config.source == "simulated" && config.calibration.empty()) return {default_simulated_camera(config), {}};
+  if (config.source == "simulated" && config.calibration.empty()) return {default_simulated_camera(config), {}, {}};
   const std::string path = calibration_file(config);
   if (!std::filesystem::exists(path))
     throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}: no such calibration; set camera.calibration", path));

@@ -27,6 +27,7 @@ struct OpenedSource {
   std::string refusal;          ///< why the camera could not be opened and is waited for, one line; empty: it was
   std::size_t frame_count = 0;  ///< of a recording that does not loop; 0 = endless
   std::shared_ptr<HeadLine> head_line;  ///< to the servos of a simulated camera; null: it is none
+  bool tells_zoom = false;              ///< a recording whose frames say where the zoom stood
 };
 
 /// Throws StartupError(kWrongUsage) when `device` is missing. A simulated camera needs none.

@@ -5,6 +5,7 @@
 
 #include "base/startup_error.h"
 #include "programs/assembly/input_files.h"
+#include "programs/assembly/zoom_choice.h"
 
 namespace ninedot {
 
@@ -18,7 +19,9 @@ CameraCalibration recording_calibration(const std::string& recording, const std:
 }
 
 CameraModel recording_camera(const std::string& recording, const std::string& file, const Config& config) {
-  return recording_calibration(recording, file, config).camera;
+  CameraCalibration calibration = recording_calibration(recording, file, config);
+  choose_zoom(calibration, config.pan_tilt, false);
+  return calibration.camera;
 }
 
 void check_picture_size(const RecordingSource& source, const CameraModel& camera, const std::string& recording) {

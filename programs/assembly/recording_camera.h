@@ -12,7 +12,7 @@ namespace ninedot {
 /// Throws StartupError(kWrongUsage): there is none, or it is damaged.
 CameraCalibration recording_calibration(const std::string& recording, const std::string& file, const Config& config);
 
-/// The camera of it alone.
+/// The camera of it alone; of a zoom camera's the one at [pan_tilt] zoom. Throws likewise where that is not there.
 CameraModel recording_camera(const std::string& recording, const std::string& file, const Config& config);
 
 /// Throws StartupError(kWrongUsage): the calibration is for pictures of another size.

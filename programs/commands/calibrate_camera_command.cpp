@@ -16,13 +16,11 @@
 #include "drivers/camera/camera_device.h"
 #include "drivers/posix/output_file.h"
 #include "drivers/posix/signals.h"
-#include "drivers/recording/recording_index.h"
 #include "programs/assembly/input_files.h"
-#include "programs/assembly/localiser_options.h"
 #include "programs/assembly/open_source.h"
 #include "programs/commands/calibrate_commands.h"
 #include "programs/commands/calibration_output.h"
-#include "programs/commands/dot_grid_option.h"
+#include "programs/commands/calibration_target.h"
 #include "programs/commands/lens_from_views.h"
 
 namespace ninedot {
@@ -30,51 +28,20 @@ namespace {
 
 struct CalibrateCameraArguments {
   std::vector<std::string> recordings;
-  std::string config, grid, out, picture, keep, model, lens;
+  SheetArguments sheet;
+  std::string out, picture, keep, lens;
   bool is_live() const { return recordings.empty(); }
 };
 
 [[noreturn]] void refuse(const std::string& what) { throw StartupError(ExitStatus::kWrongUsage, what); }
 
 void check_arguments(const CalibrateCameraArguments& arguments) {
-  if (arguments.is_live() && arguments.config.empty())
+  if (arguments.is_live() && arguments.sheet.config.empty())
     refuse("give recordings of a sheet, or --config FILE, whose camera will be watched while you move the sheet");
   if (!arguments.is_live() && !arguments.keep.empty())
     refuse("--keep is for a camera's views; those of recordings are there already: leave it out");
-  if (!arguments.is_live() && !arguments.config.empty() && !arguments.grid.empty())
+  if (!arguments.is_live() && !arguments.sheet.config.empty() && !arguments.sheet.grid.empty())
     refuse("recordings of a grid need no --config: leave it out, or leave out the recordings to watch its camera");
-}
-
-CalibrationTarget target_of(const CalibrateCameraArguments& arguments, const std::optional<Config>& config) {
-  CalibrationTarget target;
-  if (!arguments.grid.empty()) {
-    target.grid = read_dot_grid(arguments.grid);
-    target.discs = discs_of(*target.grid);
-    return target;
-  }
-  if (config) target.landmark = localiser_options(*config).seeker.landmark;
-  target.discs = discs_of(target.landmark);
-  return target;
-}
-
-std::optional<DistortionModel> model_of(const std::string& name) {
-  for (const DistortionModel model :
-       {DistortionModel::kPlumbBob, DistortionModel::kRationalPolynomial, DistortionModel::kEquidistant})
-    if (name == name_of(model)) return model;
-  return std::nullopt;
-}
-
-/// A recording's own camera.yaml is one more place to start from; one that is damaged, or for another size, is none.
-std::optional<CameraModel> guess_of(const CalibrationPictures& pictures) {
-  for (const std::string& recording : pictures.recordings) {
-    try {
-      const CameraModel camera = read_camera_file(recording_camera_file(recording));
-      if (PictureSize{camera.width_px, camera.height_px} == pictures.size) return camera;
-    } catch (const StartupError&) {
-      continue;
-    }
-  }
-  return std::nullopt;
 }
 
 /// A camera has one user, and here that is the service most often.
@@ -98,17 +65,13 @@ std::string folder_for_views(const CalibrateCameraArguments& arguments) {
   return folder;
 }
 
-std::string picture_beside(const CalibrateCameraArguments& arguments) {
-  if (!arguments.picture.empty() || arguments.out == "-") return arguments.picture;
-  return std::filesystem::path(arguments.out).replace_extension(".svg").string();
-}
-
 /// The files of the outcome, opened before the work, so that a folder that is not there is told at once.
 class CalibrationFiles {
  public:
   explicit CalibrationFiles(const CalibrateCameraArguments& arguments)
       : arguments_(arguments), camera_file_(arguments.out) {
-    if (const std::string picture = picture_beside(arguments); !picture.empty()) picture_file_.emplace(picture);
+    if (const std::string picture = picture_beside(arguments.out, arguments.picture); !picture.empty())
+      picture_file_.emplace(picture);
   }
 
   void write(const LensCalibration& result, std::span<const PlaneDisc> discs) {
@@ -116,10 +79,8 @@ class CalibrationFiles {
       picture_file_->write(picture_of(result, discs));
       picture_file_->finish();
     }
-    const std::string name = arguments_.out.empty() || arguments_.out == "-"
-                                 ? "camera"
-                                 : std::filesystem::path(arguments_.out).stem().string();
-    camera_file_.write(camera_file_of(result, name, arguments_.lens, !arguments_.model.empty()));
+    camera_file_.write(
+        camera_file_of(result, camera_name_of(arguments_.out), arguments_.lens, !arguments_.sheet.model.empty()));
     camera_file_.finish();
   }
 
@@ -140,23 +101,19 @@ void run_calibrate_camera(const CalibrateCameraArguments& arguments) {
   check_arguments(arguments);
   const TerminationSignals signals;  // before the first thread
   const std::optional<Config> config =
-      arguments.config.empty() ? std::nullopt : std::optional(read_config(arguments.config));
-  LensCalibrationOptions lens;
-  lens.model = model_of(arguments.model);
+      arguments.sheet.config.empty() ? std::nullopt : std::optional(read_config(arguments.sheet.config));
   CalibrationPictures pictures;
-  if (arguments.is_live()) {
-    lens.width_px = config->camera.width_px, lens.height_px = config->camera.height_px;
-  } else {
+  if (arguments.is_live())
+    pictures.size = {config->camera.width_px, config->camera.height_px};
+  else
     pictures = check_recordings(arguments.recordings);
-    lens.width_px = pictures.size.width_px, lens.height_px = pictures.size.height_px;
-    lens.guess = guess_of(pictures);
-  }
-  LensFromViews calibration(target_of(arguments, config), lens, signals);
+  const LensCalibrationOptions lens = lens_options(pictures, arguments.sheet.model);
+  LensFromViews calibration(target_of(arguments.sheet, config), lens, signals);
   CalibrationFiles files(arguments);
   const LensCalibration result = arguments.is_live() ? watch_camera(calibration, *config, folder_for_views(arguments))
                                                      : calibration.of_recordings(pictures);
   files.write(result, calibration.target().discs);
-  for (const std::string& line : model_lines(result, !arguments.model.empty())) fmt::print(stderr, "{}\n", line);
+  for (const std::string& line : model_lines(result, !arguments.sheet.model.empty())) fmt::print(stderr, "{}\n", line);
   if (result.left_out > 0)
     fmt::print(stderr, "{} {} left out: no outline there, or other than the rest has it\n", result.left_out,
                result.left_out == 1 ? "view was" : "views were");
@@ -173,17 +130,13 @@ void add_calibrate_camera_command(CLI::App& group) {
       "--config while you move the sheet, or those of recordings");
   const auto arguments = std::make_shared<CalibrateCameraArguments>();
   command->add_option("RECORDING", arguments->recordings, "folders with frames/, or .y4m files; none: the camera");
-  command->add_option("--config", arguments->config,
+  command->add_option("--config", arguments->sheet.config,
                       "whose [camera] is watched where there is no recording, and whose [landmark] says how large the "
                       "sheet is; default: 80 mm");
-  command->add_option(
-      "--grid", arguments->grid,
-      "COLUMNSxROWS@PITCH in mm: a printed grid of dots in place of a landmark (`ninedot pattern --grid`)");
+  add_sheet_options(*command, arguments->sheet);
   command->add_option("--keep", arguments->keep,
                       "a new folder: the camera's views as a recording, to calibrate from again; default: beside "
                       "--out, as camera-views");
-  command->add_option("--model", arguments->model, "lens model; default: the simplest that foretells views well")
-      ->check(CLI::IsMember({"plumb_bob", "rational_polynomial", "equidistant"}));
   command->add_option("--lens", arguments->lens, "what to call the lens in the file");
   command->add_option("--out", arguments->out, "file for the calibration, which camera.calibration may name")
       ->required();

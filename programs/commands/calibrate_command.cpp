@@ -13,6 +13,7 @@ void add_calibrate_command(CLI::App& app) {
   add_calibrate_ellipse_command(*group);
   add_calibrate_pan_tilt_command(*group);
   add_calibrate_rolling_shutter_command(*group);
+  add_calibrate_zoom_command(*group);
 }
 
 }  // namespace ninedot

@@ -6,9 +6,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
-#include "calibrate/camera_file_text.h"
 #include "calibrate_camera/sufficiency.h"
 #include "drawing/calibration_picture.h"
 
@@ -46,8 +46,7 @@ std::vector<std::string> model_lines(const LensCalibration& result, bool is_forc
   return lines;
 }
 
-std::string camera_file_of(const LensCalibration& result, const std::string& name, const std::string& lens,
-                           bool is_forced) {
+CalibrationNotes calibration_notes(const LensCalibration& result, const std::string& lens) {
   CalibrationNotes notes;
   notes.date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::chrono::system_clock::now()));
   notes.lens = lens;
@@ -56,6 +55,21 @@ std::string camera_file_of(const LensCalibration& result, const std::string& nam
   notes.direction_sigma_px = result.directions.median_px();
   notes.direction_sigma_max_px = result.directions.max_px();
   notes.covariance = result.covariance.matrix;
+  return notes;
+}
+
+std::string camera_name_of(const std::string& out) {
+  return out.empty() || out == "-" ? "camera" : std::filesystem::path(out).stem().string();
+}
+
+std::string picture_beside(const std::string& out, const std::string& picture) {
+  if (!picture.empty() || out == "-") return picture;
+  return std::filesystem::path(out).replace_extension(".svg").string();
+}
+
+std::string camera_file_of(const LensCalibration& result, const std::string& name, const std::string& lens,
+                           bool is_forced) {
+  CalibrationNotes notes = calibration_notes(result, lens);
   notes.comments = {
       "Made by `ninedot calibrate camera`, in the form of ROS camera_info: pixels, and pixel centres at "
       "whole numbers.",

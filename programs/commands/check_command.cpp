@@ -26,6 +26,7 @@
 #include "programs/assembly/modbus_options.h"
 #include "programs/assembly/open_head.h"
 #include "programs/assembly/open_source.h"
+#include "programs/assembly/zoom_choice.h"
 #include "programs/commands/commands.h"
 
 namespace ninedot {
@@ -144,12 +145,15 @@ void check_devices(const Config& config, const ConfigProblems& problems, std::op
   std::optional<CameraCalibration> calibration;
   const auto read = [&] { calibration = read_camera_calibration(config.camera); };
   if (!is_recording || !config.camera.calibration.empty()) findings.attempt("camera.calibration", read);
-  bool is_opened = false;
+  bool is_opened = false, tells_zoom = head_tells_zoom(config.pan_tilt);
   findings.attempt("camera.device", [&] {
-    open_source(config, FrameDemand::kEveryFrame, calibration ? &calibration->record : nullptr);
+    tells_zoom |=
+        open_source(config, FrameDemand::kEveryFrame, calibration ? &calibration->record : nullptr).tells_zoom;
     is_opened = true;
   });
   if (is_recording && is_opened && config.camera.calibration.empty()) findings.attempt("camera.calibration", read);
+  if (calibration && (is_opened || !is_recording))
+    findings.attempt("pan_tilt.zoom", [&] { choose_zoom(*calibration, config.pan_tilt, tells_zoom); });
   if (calibration) camera = calibration->camera;
   check_head(config, [&](const char* key, const std::function<void()>& step) { findings.attempt(key, step); });
 }

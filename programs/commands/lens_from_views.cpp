@@ -6,8 +6,12 @@
 #include <chrono>
 #include <utility>
 
+#include "base/contract.h"
 #include "base/startup_error.h"
+#include "calibrate/camera_file.h"
 #include "calibrate_camera/sufficiency.h"
+#include "drivers/recording/recording_index.h"
+#include "programs/assembly/input_files.h"
 
 namespace ninedot {
 
@@ -18,7 +22,34 @@ namespace {
 /// Twice as many as a good calibration has: patience ends before the last corner is as certain as the middle.
 constexpr std::size_t kMostViews = 60;
 
+std::optional<CameraModel> guess_of(const CalibrationPictures& pictures) {
+  for (const std::string& recording : pictures.recordings) {
+    try {
+      const CameraModel camera = read_camera_file(recording_camera_file(recording));
+      if (PictureSize{camera.width_px, camera.height_px} == pictures.size) return camera;
+    } catch (const StartupError&) {
+      continue;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
+
+std::optional<DistortionModel> model_of(const std::string& name) {
+  for (const DistortionModel model :
+       {DistortionModel::kPlumbBob, DistortionModel::kRationalPolynomial, DistortionModel::kEquidistant})
+    if (name == name_of(model)) return model;
+  return std::nullopt;
+}
+
+LensCalibrationOptions lens_options(const CalibrationPictures& pictures, const std::string& model) {
+  LensCalibrationOptions lens;
+  lens.width_px = pictures.size.width_px, lens.height_px = pictures.size.height_px;
+  lens.model = model_of(model);
+  lens.guess = guess_of(pictures);
+  return lens;
+}
 
 LensFromViews::LensFromViews(CalibrationTarget target, const LensCalibrationOptions& lens,
                              const TerminationSignals& signals)
@@ -40,7 +71,18 @@ LensCalibration LensFromViews::of_recordings(const CalibrationPictures& pictures
     }
   }
   check_views(collected.views.views(), collected.views.found(), collected.pictures);
-  LensCalibration result = calibrate(collected.views.views());
+  views_ = collected.views.views();
+  return good_lens();
+}
+
+LensCalibration LensFromViews::again_in(DistortionModel model) {
+  EXPECTS(!views_.empty());
+  options_.model = model;
+  return good_lens();
+}
+
+LensCalibration LensFromViews::good_lens() {
+  LensCalibration result = calibrate(views_);
   if (const std::vector<std::string> lacks = what_lens_lacks(result); !lacks.empty()) give_up_for(lacks);
   progress_.clear();
   return result;

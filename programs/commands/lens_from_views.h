@@ -1,5 +1,6 @@
 #pragma once
-/// The work of `ninedot calibrate camera`: from pictures to a lens, or to what they lack.
+/// The work of `ninedot calibrate camera`, and of `calibrate zoom` at each position: from pictures to a lens, or to
+/// what they lack.
 #include <string>
 #include <vector>
 
@@ -11,6 +12,13 @@
 #include "programs/commands/progress.h"
 
 namespace ninedot {
+
+/// For recordings: the lens's size, its model if one is asked for, and the recordings' own camera.yaml as one more
+/// place to start from, unless it is damaged or for another size. \param model  a name, empty: whichever
+LensCalibrationOptions lens_options(const CalibrationPictures& pictures, const std::string& model);
+
+/// plumb_bob, rational_polynomial, equidistant; none: no such model.
+std::optional<DistortionModel> model_of(const std::string& name);
 
 /// Shows on a terminal how far it is. The first of the signals ends the looking for views, and those that there are are
 /// used; the second ends it all. Threads: one caller.
@@ -28,11 +36,17 @@ class LensFromViews {
   /// \param keep  as LiveViewsOptions has it
   LensCalibration of_camera(const OpenedSource& source, const std::string& keep);
 
+  /// The same recordings' views in another lens model. \pre of_recordings has found them (contract)
+  LensCalibration again_in(DistortionModel model);
+
+  /// A signal has ended the looking for views.
+  bool is_stopped() const noexcept { return gathering_stopped_; }
   const CalibrationTarget& target() const noexcept { return target_; }
 
  private:
   CollectedViews collect(const CalibrationPictures& pictures, const CameraModel& lens);
   void check_views(std::span<const SheetView> views, std::size_t found, std::size_t pictures);
+  LensCalibration good_lens();
   LensCalibration calibrate(std::span<const SheetView> views);
   std::optional<CameraModel> rough_lens(std::span<const SheetView> views);
   bool is_gathering_stopped();
@@ -43,6 +57,7 @@ class LensFromViews {
   LensCalibrationOptions options_;
   const TerminationSignals& signals_;
   Progress progress_;
+  std::vector<SheetView> views_;  ///< of recordings
   bool gathering_stopped_ = false, stopped_ = false;
   std::string kept_;  ///< as LiveViews::where_kept has it
 };

@@ -5,7 +5,9 @@
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +19,7 @@
 #include "drivers/recording/recording_index.h"
 #include "drivers/recording/recording_writer.h"
 #include "programs/assembly/input_files.h"
+#include "programs/assembly/open_head.h"
 #include "programs/assembly/open_source.h"
 #include "programs/commands/commands.h"
 #include "programs/commands/source_failure.h"
@@ -54,15 +57,21 @@ void show_progress(const RecordArguments& arguments, std::uint64_t count) {
     fmt::print(stderr, "\rframe {}, Ctrl-C ends", count);
 }
 
+double zoom_at(const PanTilt& head, MonoTime time) {
+  const std::optional<ZoomStand> zoom = head.state().zoom;
+  return zoom ? zoom->at(time) : std::numeric_limits<double>::quiet_NaN();
+}
+
 void run_record(const RecordArguments& arguments) {
   const Config config = read_config(arguments.config);
   const TerminationSignals signals;  // before the first thread
   std::optional<CalibrationRecord> record;
   const std::string calibration = calibration_text(config.camera, record);
   OpenedSource source = open_source(config, FrameDemand::kEveryFrame, record ? &*record : nullptr);
-  RecordingWriter writer(arguments.out, calibration);
+  const std::unique_ptr<PanTilt> zoom_teller = open_zoom_teller(config);
+  RecordingWriter writer(arguments.out, calibration, write_to_disk, zoom_teller || source.tells_zoom);
 
-  std::uint64_t lost = 0;
+  std::uint64_t lost = 0, without_zoom = 0;
   MonoTime last_frame_at = mono_now();
   while (signals.wait(0ns) == 0 && (arguments.frames == 0 || writer.frame_count() < arguments.frames)) {
     Result<FrameLease> frame = source.frames->next(mono_now() + 200ms);
@@ -75,6 +84,8 @@ void run_record(const RecordArguments& arguments) {
     last_frame_at = mono_now();
     lost += frame->dropped_before;
     if (arguments.grey) frame->frame.chroma = {};
+    if (zoom_teller) frame->frame.zoom = zoom_at(*zoom_teller, frame->frame.exposed_at());
+    if (zoom_teller && std::isnan(frame->frame.zoom)) ++without_zoom;
     const Result<std::uint64_t> number = writer.add(*frame);
     if (!number)
       throw StartupError(
@@ -87,8 +98,9 @@ void run_record(const RecordArguments& arguments) {
   if (::isatty(STDERR_FILENO) == 1) fmt::print(stderr, "\r\x1b[K");
   if (writer.frame_count() == 0)
     throw StartupError(ExitStatus::kWorkFailed, "stopped before the first frame; nothing was recorded");
-  fmt::print("{}: {} frames{}\n", arguments.out, writer.frame_count(),
-             lost > 0 ? fmt::format(", {} lost", lost) : std::string());
+  fmt::print("{}: {} frames{}{}\n", arguments.out, writer.frame_count(),
+             lost > 0 ? fmt::format(", {} lost", lost) : std::string(),
+             without_zoom > 0 ? fmt::format(", of {} the zoom is not known", without_zoom) : std::string());
 }
 
 }  // namespace

@@ -26,6 +26,7 @@
 #include "programs/assembly/make_localiser.h"
 #include "programs/assembly/motion_options.h"
 #include "programs/assembly/recording_camera.h"
+#include "programs/assembly/zoom_choice.h"
 #include "programs/commands/commands.h"
 #include "programs/commands/progress.h"
 #include "programs/commands/world_rows.h"
@@ -55,6 +56,8 @@ class OverlayWriter {
     if (!folder_.empty() && mkdir(folder_.c_str(), 0777) != 0 && errno != EEXIST)
       throw StartupError(ExitStatus::kWorkFailed, fmt::format("{} cannot be made: {}", folder_, std::strerror(errno)));
   }
+  /// Of the frames from now on.
+  void look_through(const CameraModel& camera) { camera_ = camera; }
   void write(const Frame& frame, const Report& report, const LandmarkObservation* seen) {
     if (folder_.empty()) return;
     draw_overlay(frame.luma, report, seen, camera_, landmark_, 0, picture_);
@@ -133,11 +136,18 @@ void run_replay(const ReplayArguments& arguments) {
   RecordingOptions recording_options;
   recording_options.pace = arguments.realtime ? RecordingPace::kRealTime : RecordingPace::kEveryFrame;
   RecordingSource source(arguments.recording, recording_options);
-  const CameraCalibration calibration = recording_calibration(arguments.recording, arguments.camera, config);
+  CameraCalibration calibration = recording_calibration(arguments.recording, arguments.camera, config);
+  choose_zoom(calibration, config.pan_tilt, source.tells_zoom());
   const CameraModel& camera = calibration.camera;
   check_picture_size(source, camera, arguments.recording);
   LocaliserOptions options = localiser_options(config);
   options.intrinsics = calibration.record.covariance;
+  LensExchange new_lenses;
+  std::optional<LensesByFrame> lenses;
+  if (calibration.zoom) {
+    options.new_lenses = &new_lenses;
+    lenses.emplace(*calibration.zoom, options);
+  }
   const auto localiser = make_localiser(camera, options);
   const RecordedTimes times(arguments.recording, arguments.realtime);
   OverlayWriter overlay(arguments.overlay_folder, camera, options.seeker.landmark);
@@ -169,6 +179,7 @@ void run_replay(const ReplayArguments& arguments) {
     }
     counts.dropped += lease->dropped_before;
     const Frame frame = times.stamped(lease->frame);
+    if (lenses) overlay.look_through(lenses->serve(frame).value_or(camera));
     const Fix& fix = localiser->process(frame);
     const ReportContext context{.now = frame.exposed_at(), .body = &body};
     report = next_report(report, frame, fix, context);

@@ -19,8 +19,8 @@ constexpr std::size_t kMostProblems = 20;
 }  // namespace
 
 MapReloader::MapReloader(const Config& config, const ConfigProblems& keys, std::string config_path,
-                         const CameraModel& camera, RoomMapHandoff& maps, ServiceLog& log)
-    : config_(config), keys_(keys), config_path_(std::move(config_path)), camera_(camera), maps_(maps), log_(log) {
+                         RoomMapHandoff& maps, ServiceLog& log)
+    : config_(config), keys_(keys), config_path_(std::move(config_path)), maps_(maps), log_(log) {
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
@@ -81,8 +81,7 @@ std::vector<std::string> MapReloader::read_again() {
   }
   const MapChanges changes = map_changes(before, options.map);
   const std::size_t count = options.map.landmarks().size();
-  maps_.put(
-      std::make_unique<RoomMap>(camera_, options.seeker.landmark, std::move(options.map), options.trust.max_ambiguity));
+  maps_.put(std::make_unique<RoomMap>(options.seeker.landmark, std::move(options.map), options.trust.max_ambiguity));
   config_.landmarks = std::move(fresh.landmarks);
   return {
       fmt::format("map {} read again: {} in all, {} added, {} removed, {} moved, {} with another code or uncertainty",

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "config/config_checks.h"
-#include "geometry/camera_model.h"
 #include "outputs/output.h"
 #include "pipeline/room_map.h"
 #include "programs/service/service_log.h"
@@ -23,8 +22,8 @@ class MapReloader final : public Output {
   /// \param config  that the service runs with: its landmarks may change, nothing else
   /// \param keys  where they stand in it \param config_path  how problems call it
   /// \param maps  where the localiser takes them from; must outlive this, as must `log`
-  MapReloader(const Config& config, const ConfigProblems& keys, std::string config_path, const CameraModel& camera,
-              RoomMapHandoff& maps, ServiceLog& log);
+  MapReloader(const Config& config, const ConfigProblems& keys, std::string config_path, RoomMapHandoff& maps,
+              ServiceLog& log);
 
   /// Asks for it and returns at once. While one is being read it is read once more afterwards, however often that was
   /// asked.
@@ -40,7 +39,6 @@ class MapReloader final : public Output {
   Config config_;
   const ConfigProblems keys_;
   const std::string config_path_;
-  const CameraModel camera_;
   RoomMapHandoff& maps_;
   ServiceLog& log_;
 

@@ -34,6 +34,7 @@ LedPattern led_pattern_of(const Report& report) noexcept {
     case Reason::kCrowded:
     case Reason::kNotIdentified:
     case Reason::kMoved:
+    case Reason::kZoom:
     case Reason::kStale:
     case Reason::kHeld:
       return LedPattern::kNoLandmark;

@@ -262,7 +262,7 @@ TEST(RoomLocaliser, KnowsWhoIsInViewBeyondAChangeOfTheMapAndForgetsWhoIsNotInItA
   RoomLocaliser unit(CameraModel{}, {.map = map_of_codes(), .new_maps = &maps});
   ASSERT_EQ(unit.process(frame_of(picture, 1)).main().id, 11);
   const auto change_to = [&](std::vector<MappedLandmark> landmarks) {
-    maps.put(std::make_unique<RoomMap>(CameraModel{}, LandmarkGeometry{}, LandmarkMap(std::move(landmarks)), 0.01));
+    maps.put(std::make_unique<RoomMap>(LandmarkGeometry{}, LandmarkMap(std::move(landmarks)), 0.01));
   };
   // The grey frame can't tell whose it is: the localiser has to remember.
   change_to({mapped({2, 9, 0}, "KKGRRBGB"), mapped({3, 6, 0}), mapped({11, 1, 0}, "KRGBKKRB")});

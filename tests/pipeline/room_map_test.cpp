@@ -36,7 +36,7 @@ std::vector<MappedLandmark> wall(const Eigen::Vector3d& by_m = Eigen::Vector3d::
 }
 
 std::unique_ptr<RoomMap> room_map(std::vector<MappedLandmark> landmarks) {
-  return std::make_unique<RoomMap>(CameraModel{}, LandmarkGeometry{}, LandmarkMap(std::move(landmarks)), 0.01);
+  return std::make_unique<RoomMap>(LandmarkGeometry{}, LandmarkMap(std::move(landmarks)), 0.01);
 }
 
 class MapOfARunningLocaliser : public testing::Test {

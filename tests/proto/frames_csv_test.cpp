@@ -12,7 +12,7 @@ std::string error_of(std::string_view text) {
 
 TEST(FramesCsv, ReadsBackWhatItWrote) {
   const std::vector<FramesCsvRow> rows{
-      {0, 0, 0, 0}, {3, 85714286, -12.25, 0.1}, {999999999, 4000000000000000000, 360, -360}};
+      {0, 0, 0, 0, {}}, {3, 85714286, -12.25, 0.1, {}}, {999999999, 4000000000000000000, 360, -360, {}}};
   std::string text(kFramesCsvHeader);
   for (const FramesCsvRow& row : rows) text += format_frames_csv_row(row);
   const auto read = parse_frames_csv(text);
@@ -24,6 +24,17 @@ TEST(FramesCsv, ReadsBackWhatItWrote) {
     EXPECT_EQ((*read)[i].pan_deg, rows[i].pan_deg);
     EXPECT_EQ((*read)[i].tilt_deg, rows[i].tilt_deg);
   }
+}
+
+TEST(FramesCsv, HasTheZoomWhereTheCameraToldIt) {
+  const std::vector<FramesCsvRow> rows{{0, 0, 0, 0, 0}, {1, 5, 1, 0, {}}, {2, 9, 0, 0, 1023}};
+  std::string text(kFramesCsvHeaderWithZoom);
+  for (const FramesCsvRow& row : rows) text += format_frames_csv_row(row, true);
+  EXPECT_EQ(text, "frame,timestamp_ns,pan_deg,tilt_deg,zoom\n0,0,0,0,0\n1,5,1,0,\n2,9,0,0,1023\n");
+  const auto read = parse_frames_csv(text);
+  ASSERT_TRUE(read) << read.error().what;
+  ASSERT_EQ(read->size(), rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ((*read)[i].zoom, rows[i].zoom);
 }
 
 TEST(FramesCsv, TakesColumnsInAnyOrderWithoutAnglesAndWithCrLf) {
@@ -38,8 +49,10 @@ TEST(FramesCsv, TakesColumnsInAnyOrderWithoutAnglesAndWithCrLf) {
 TEST(FramesCsv, NamesTheLineOfEveryMistake) {
   EXPECT_EQ(error_of(""), "1: the file is empty; write the header frame,timestamp_ns,pan_deg,tilt_deg");
   EXPECT_EQ(error_of("frame\n"), "1: column 'timestamp_ns' is missing");
-  EXPECT_EQ(error_of("frame,timestamp_ns,zoom\n"),
-            "1: unknown column 'zoom'; there are frame,timestamp_ns,pan_deg,tilt_deg");
+  EXPECT_EQ(error_of("frame,timestamp_ns,focus\n"),
+            "1: unknown column 'focus'; there are frame,timestamp_ns,pan_deg,tilt_deg,zoom");
+  EXPECT_EQ(error_of("frame,timestamp_ns,zoom\n1,5,12.5\n"), "2: zoom is not a whole number from 0 to 65535");
+  EXPECT_EQ(error_of("frame,timestamp_ns,zoom\n1,5,65536\n"), "2: zoom is not a whole number from 0 to 65535");
   EXPECT_EQ(error_of("frame,frame,timestamp_ns\n"), "1: column 'frame' is there twice");
   EXPECT_EQ(error_of("frame,timestamp_ns\n0,0,0\n"), "2: 3 fields; the header has 2");
   EXPECT_EQ(error_of("frame,timestamp_ns\n0,0\n\n"), "3: 1 fields; the header has 2");

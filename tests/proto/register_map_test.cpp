@@ -65,7 +65,7 @@ TEST(RegisterMap, OnlyRegistersFrom100OnAreWritable) {
 }
 
 TEST(RegisterMap, EveryReasonHasItsCodeInOrder) {
-  ASSERT_EQ(kReasonCodes.size(), static_cast<std::size_t>(Reason::kMoved) + 1);
+  ASSERT_EQ(kReasonCodes.size(), static_cast<std::size_t>(Reason::kZoom) + 1);
   for (std::size_t i = 0; i < kReasonCodes.size(); ++i) EXPECT_EQ(kReasonCodes[i].code, i);
 }
 

@@ -6,9 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "base/startup_error.h"
-#include "drivers/servo/visca_zoom_table.h"
-
 namespace ninedot {
 namespace {
 
@@ -194,36 +191,6 @@ TEST(ViscaStream, LosesNoPacketBetweenAnyNoiseOfLowBytes) {
     }
     ASSERT_EQ(packets_in(stream, line), sent) << "round " << round;
   }
-}
-
-TEST(ViscaZoomTable, IsExactAtItsPointsAndStraightBetween) {
-  const std::vector<ZoomPoint> points = {{0, 5.4}, {500, 10.4}, {1000, 60.4}};
-  const ViscaZoomTable table(points);
-  for (const ZoomPoint& point : points) EXPECT_DOUBLE_EQ(table.focal_length_mm_at(point.zoom), point.focal_length_mm);
-  EXPECT_DOUBLE_EQ(table.focal_length_mm_at(250), 7.9);
-  EXPECT_DOUBLE_EQ(table.focal_length_mm_at(900), 50.4);
-  EXPECT_DOUBLE_EQ(table.focal_length_mm_at(-7), 5.4);
-  EXPECT_DOUBLE_EQ(table.focal_length_mm_at(5000), 60.4);
-  for (int zoom = 1; zoom <= 1000; ++zoom)
-    ASSERT_GT(table.focal_length_mm_at(zoom), table.focal_length_mm_at(zoom - 1)) << zoom;
-}
-
-TEST(ViscaZoomTable, SaysWhatIsWrongWithATable) {
-  const auto problem = [](const std::vector<ZoomPoint>& points) -> std::string {
-    try {
-      const ViscaZoomTable table(points);
-      return "";
-    } catch (const StartupError& error) {
-      EXPECT_EQ(error.status, ExitStatus::kWrongUsage);
-      return error.what();
-    }
-  };
-  EXPECT_EQ(problem({{0, 5.4}, {1023, 64.8}}), "");
-  EXPECT_EQ(problem({{0, 5.4}}), "a zoom table needs 2 to 32 points, not 1");
-  EXPECT_EQ(problem({{0, 5.4}, {0, 6}}), "the zoom positions must rise strictly: number 2 does not");
-  EXPECT_EQ(problem({{0, 5.4}, {9, 6}, {10, 6}}), "the focal lengths must rise strictly: number 3 does not");
-  EXPECT_EQ(problem({{-1, 5.4}, {9, 6}}), "the zoom positions must be 0 to 65535");
-  EXPECT_EQ(problem({{0, 0}, {9, 6}}), "the focal lengths must be finite and above 0");
 }
 
 }  // namespace

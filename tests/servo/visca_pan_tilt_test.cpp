@@ -285,15 +285,12 @@ TEST(ViscaPanTilt, SetsAddressesZoomAndTargetAgainAfterAPowerCut) {
   EXPECT_TRUE(gets_to(head, angles_deg(10, 0)));
 }
 
-TEST(ViscaPanTilt, SetsTheZoomAndKnowsItsFocalLength) {
+TEST(ViscaPanTilt, SetsTheZoom) {
   EmulatedViscaCamera camera;
   ViscaOptions options = options_for(camera);
   options.zoom = 400;
-  options.zoom_table = {{0, 5.4}, {300, 8.0}, {500, 16.0}, {1023, 64.8}};
   const ViscaPanTilt head(options, test::evi_d31_axes());
   EXPECT_EQ(head.zoom(), 400);
-  ASSERT_TRUE(head.focal_length_mm());
-  EXPECT_DOUBLE_EQ(*head.focal_length_mm(), 12.0);
   EXPECT_EQ(camera.zoom(), 400);
 }
 
@@ -301,7 +298,6 @@ TEST(ViscaPanTilt, LeavesTheZoomAloneWhereNoneIsWanted) {
   EmulatedViscaCamera camera;
   const ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
   EXPECT_FALSE(head.zoom());
-  EXPECT_FALSE(head.focal_length_mm());
   EXPECT_EQ(count_of(camera.heard(), [](const ViscaBytes& packet) { return packet.size() == 9; }), 0U);
 }
 
@@ -420,10 +416,6 @@ TEST(ViscaPanTilt, SaysWhichOptionIsOutOfItsRange) {
   EXPECT_EQ(refused([](ViscaOptions& options) { options.tilt_speed = 0; }),
             "a VISCA camera's tilt speed is 1 to 20, not 0");
   EXPECT_EQ(refused([](ViscaOptions& options) { options.zoom = 1024; }), "this camera's zoom is 0 to 1023, not 1024");
-  EXPECT_EQ(refused([](ViscaOptions& options) {
-              options.zoom_table = {{0, 5.4}};
-            }),
-            "a zoom table needs 2 to 32 points, not 1");
 }
 
 /// A line that sends, and nothing of VISCA.

@@ -15,6 +15,7 @@ const ADVICE = {
   13: "Much in this picture looks like dots: the search goes on in the next frame.",
   14: "No code could be read: more light on the sheet, or less motion.",
   15: "The sheet was moved: hang it back, or make the map anew with `ninedot map`.",
+  16: "The zoom moves, or stands where it was not calibrated: `ninedot calibrate zoom`.",
 };
 
 // A picture that is older is not shown as if it were new.
