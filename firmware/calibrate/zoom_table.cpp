@@ -165,7 +165,8 @@ ZoomTable::ZoomTable(std::vector<ZoomLens> lenses) : lenses_(std::move(lenses)) 
 ZoomLens ZoomTable::between(double zoom) const {
   const double unit_px = unit_of(lenses_);
   const Weights weights = weights_at(zoom, lenses_);
-  ZoomLens lens{static_cast<int>(std::lround(zoom)), {}, {}};
+  ZoomLens lens;
+  lens.zoom = static_cast<int>(std::lround(zoom));
   lens.camera = camera_of(value_at(weights, lenses_, unit_px), lenses_.front().camera, unit_px);
   IntrinsicCovariance of_values = IntrinsicCovariance::Zero();
   for (std::size_t i = 0; i < lenses_.size(); ++i) {

@@ -67,11 +67,11 @@ std::string draw_zoom(const ZoomDrawing& drawing) {
       width, height, kMargin, drawing.title);
   text += draw_diagram(drawing, kMargin, "Focal length over zoom, px, logarithmic",
                        {{"#1d4ed8", [](const DrawnZoom& at) { return std::log(at.fx_px); }}},
-                       [](double height) { return fmt::format("{:.4g}", std::exp(height)); });
+                       [](double log_px) { return fmt::format("{:.4g}", std::exp(log_px)); });
   text += draw_diagram(drawing, kMargin + kWidth + kGap, "Centre over zoom, px: x blue, y red, from the first position",
                        {{"#1d4ed8", [&](const DrawnZoom& at) { return at.cx_px - drawing.calibrated.front().cx_px; }},
                         {"#b91c1c", [&](const DrawnZoom& at) { return at.cy_px - drawing.calibrated.front().cy_px; }}},
-                       [](double height) { return fmt::format("{:+.2f}", height); });
+                       [](double off_px) { return fmt::format("{:+.2f}", off_px); });
   return text + "</svg>\n";
 }
 

@@ -118,9 +118,10 @@ class ZoomCalibration {
   std::vector<ZoomLens> lenses() const {
     std::vector<ZoomLens> lenses;
     for (std::size_t i = 0; i < positions_.size(); ++i) {
-      ZoomLens& lens = lenses.emplace_back(ZoomLens{positions_[i].zoom, calibrations_[i].fit.camera, {}});
+      ZoomLens& lens = lenses.emplace_back();
+      lens.zoom = positions_[i].zoom;
+      lens.camera = calibrations_[i].fit.camera;
       const Eigen::MatrixXd& covariance = calibrations_[i].covariance.matrix;
-      lens.covariance.setZero();
       lens.covariance.topLeftCorner(covariance.rows(), covariance.cols()) = covariance;
     }
     return lenses;

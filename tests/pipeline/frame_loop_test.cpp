@@ -74,6 +74,19 @@ class EvenFramesAreFound final : public FrameProcessor {
   Fix fix_;
 };
 
+/// Keeps what a frame says of its zoom.
+class ZoomKeeper final : public FrameProcessor {
+ public:
+  const Fix& process(const Frame& frame) noexcept override {
+    zoom = frame.zoom;
+    return fix_;
+  }
+  double zoom = 0;
+
+ private:
+  Fix fix_;
+};
+
 class OrdinaryThread final : public FrameThread {
  public:
   explicit OrdinaryThread(int os_errno) : os_errno_(os_errno) {}
@@ -432,6 +445,33 @@ TEST(FrameLoop, EndsByItselfWhenTheSourceIsOver) {
   EXPECT_TRUE(bench.loop.over());
   EXPECT_EQ(bench.reports.read().reason, Reason::kStopped);
   EXPECT_EQ(bench.reports.read().camera_in_world.position_m[0], 2);
+}
+
+TEST(FrameLoop, StampsFramesWithTheZoomThatTheHeadTells) {
+  ScriptedSource source({{}, {}, {}, {}});
+  ZoomKeeper keeper;
+  Mailbox<Report> reports;
+  Mailbox<Health> healths;
+  Handoff<HeadSnapshot> head;
+  FrameLoopOptions options;
+  options.head = &head;
+  options.zoom_of_head = true;
+  FrameLoop loop(source, keeper, reports, healths, options);
+  loop.step();
+  EXPECT_TRUE(std::isnan(keeper.zoom)) << "the head says nothing";
+  HeadSnapshot snapshot;
+  snapshot.zoom = ZoomStand{512, mono_now() - 1s, mono_now()};
+  head.put(snapshot);
+  loop.step();
+  EXPECT_EQ(keeper.zoom, 512);
+  snapshot.zoom->since = mono_now();
+  head.put(snapshot);
+  loop.step();
+  EXPECT_TRUE(std::isnan(keeper.zoom)) << "it was on its way when the frame was exposed, 3 ms ago";
+  snapshot.zoom = ZoomStand{512, mono_now() - 5s, mono_now() - 2s};
+  head.put(snapshot);
+  loop.step();
+  EXPECT_TRUE(std::isnan(keeper.zoom)) << "told too long ago";
 }
 
 }  // namespace

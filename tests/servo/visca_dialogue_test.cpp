@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -31,6 +32,8 @@ Bytes move(int pan) {
 /// A dialogue and a clock that stands still until it is moved.
 class ViscaDialogueTest : public testing::Test {
  protected:
+  explicit ViscaDialogueTest(const ViscaOptions& with = options()) : dialogue_(with) {}
+
   static ViscaOptions options() {
     ViscaOptions options;
     options.device = "none";
@@ -54,7 +57,7 @@ class ViscaDialogueTest : public testing::Test {
     ASSERT_EQ(next(), kAskPosition);
     hear(kAtZero);
     ASSERT_TRUE(dialogue_.is_ready());
-    ASSERT_EQ(next(), kNothing);
+    ASSERT_EQ(next(), first_when_ready_);
   }
   /// Lets `time` go by in small steps; \return everything sent meanwhile, nothing of it answered.
   std::vector<Bytes> wait(std::chrono::milliseconds time) {
@@ -66,7 +69,8 @@ class ViscaDialogueTest : public testing::Test {
 
   MonoTime now_ = mono_from_ns(1'000'000'000'000);
   std::uint32_t sequence_ = 0;
-  ViscaDialogue dialogue_{options()};
+  Bytes first_when_ready_ = kNothing;
+  ViscaDialogue dialogue_;
 };
 
 TEST_F(ViscaDialogueTest, AsksForThePositionTenTimesASecond) {
@@ -422,6 +426,85 @@ TEST_F(ViscaDialogueTest, WakesUpInTimeForEverythingItHasToDo) {
   EXPECT_EQ(next(), move(1));
   hear(fault(0, 0x02));
   EXPECT_LE(dialogue_.wake_at(), now_ + 100ms);
+}
+
+Bytes at_zoom(int zoom) {
+  return {0x90,
+          0x50,
+          0,
+          static_cast<std::uint8_t>(zoom >> 8),
+          static_cast<std::uint8_t>(zoom >> 4 & 15),
+          static_cast<std::uint8_t>(zoom & 15),
+          0xFF};
+}
+
+/// Whose zoom is followed.
+class ViscaZoomTest : public ViscaDialogueTest {
+ protected:
+  ViscaZoomTest()
+      : ViscaDialogueTest([] {
+          ViscaOptions followed = options();
+          followed.zoom_interval = 200ms;
+          return followed;
+        }()) {
+    first_when_ready_ = kAskZoom;
+  }
+
+  /// Answers everything that is asked, for `time`. \return  how often the zoom was asked for
+  int answer(std::chrono::milliseconds time, int zoom) {
+    int asked = 0;
+    for (const MonoTime until = now_ + time; now_ < until; now_ += 10ms) {
+      const Bytes said = next();
+      if (said == kAskPosition) hear(kAtZero);
+      if (said == kAskZoom) hear(at_zoom(zoom)), ++asked;
+      if (said == move(sequence_ & 15)) hear(kAck1), hear(kDone1);
+    }
+    return asked;
+  }
+};
+
+TEST_F(ViscaZoomTest, IsAskedForItsZoomFiveTimesASecondBesideAllElse) {
+  get_ready();
+  int asked = 0;
+  for (int i = 0; i < 20; ++i) {
+    want(i & 15);
+    asked += answer(50ms, 300);
+  }
+  EXPECT_GE(asked, 4);
+  EXPECT_LE(asked, 6);
+}
+
+TEST_F(ViscaZoomTest, StandsWhereTwoAnswersAgree) {
+  get_ready();
+  EXPECT_FALSE(dialogue_.zoom_stand());
+  hear(at_zoom(300));
+  answer(150ms, 300);
+  EXPECT_FALSE(dialogue_.zoom_stand()) << "one answer tells no rest";
+  const MonoTime before = now_;
+  answer(200ms, 300);
+  ASSERT_TRUE(dialogue_.zoom_stand());
+  EXPECT_EQ(dialogue_.zoom_stand()->position, 300);
+  EXPECT_LT(dialogue_.zoom_stand()->since, before);
+  answer(400ms, 301);  // between two steps
+  ASSERT_TRUE(dialogue_.zoom_stand());
+  EXPECT_EQ(dialogue_.zoom_stand()->position, 300);
+  answer(200ms, 340);
+  EXPECT_FALSE(dialogue_.zoom_stand()) << "on its way";
+  answer(200ms, 360);
+  EXPECT_FALSE(dialogue_.zoom_stand()) << "on its way";
+  const MonoTime moved = now_;
+  answer(400ms, 360);
+  ASSERT_TRUE(dialogue_.zoom_stand());
+  EXPECT_EQ(dialogue_.zoom_stand()->at(now_), 360);
+  EXPECT_TRUE(std::isnan(dialogue_.zoom_stand()->at(moved - 300ms))) << "not of the time before";
+  EXPECT_TRUE(std::isnan(dialogue_.zoom_stand()->at(now_ + 2s))) << "not for ever";
+  dialogue_.begin(now_);
+  EXPECT_FALSE(dialogue_.zoom_stand()) << "of the line before";
+}
+
+TEST_F(ViscaDialogueTest, IsNotAskedForAZoomThatNobodyFollows) {
+  get_ready();
+  for (const Bytes& said : wait(2s)) EXPECT_NE(said, kAskZoom);
 }
 
 }  // namespace

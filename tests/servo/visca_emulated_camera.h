@@ -70,6 +70,12 @@ class EmulatedViscaCamera {
     say({head(), 0x38, 0xFF});
   }
 
+  /// As with its remote control.
+  void zoom_by_hand(double to) {
+    const std::lock_guard lock(mutex_);
+    target_zoom_ = to;
+  }
+
   double pan_steps() const { return locked(pan_); }
   double tilt_steps() const { return locked(tilt_); }
   int zoom() const { return static_cast<int>(locked(zoom_)); }

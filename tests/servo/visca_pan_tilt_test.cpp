@@ -294,6 +294,33 @@ TEST(ViscaPanTilt, SetsTheZoom) {
   EXPECT_EQ(camera.zoom(), 400);
 }
 
+TEST(ViscaPanTilt, TellsWhereTheZoomStandsAndNothingWhileItMoves) {
+  EmulatedViscaCamera camera;
+  camera.hurry = 1;
+  ViscaOptions options = options_for(camera);
+  options.zoom = 20;
+  options.zoom_interval = 20ms;
+  options.answer_timeout = 300ms;
+  ViscaPanTilt head(options, test::evi_d31_axes());
+  const auto stands_at = [&](int zoom) {
+    const auto stand = head.state().zoom;
+    return stand && stand->position == zoom;
+  };
+  EXPECT_TRUE(eventually([&] { return stands_at(20); }));
+  camera.zoom_by_hand(400);
+  EXPECT_TRUE(eventually([&] { return !head.state().zoom; }));
+  EXPECT_LT(camera.zoom(), 400) << "told only after it had arrived";
+  EXPECT_TRUE(eventually([&] { return stands_at(400); }));
+  EXPECT_EQ(camera.zoom(), 400);
+  head.move_to(angles_deg(10, 5));
+  EXPECT_TRUE(gets_to(head, angles_deg(10, 5)));
+  EXPECT_TRUE(stands_at(400));
+  camera.unplug();
+  EXPECT_TRUE(eventually([&] { return !head.state().zoom; })) << "of a line that is gone";
+  camera.plug();
+  EXPECT_TRUE(eventually([&] { return stands_at(20); })) << "set again";
+}
+
 TEST(ViscaPanTilt, LeavesTheZoomAloneWhereNoneIsWanted) {
   EmulatedViscaCamera camera;
   const ViscaPanTilt head(options_for(camera), test::evi_d31_axes());
