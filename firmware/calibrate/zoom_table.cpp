@@ -148,7 +148,10 @@ std::optional<std::string> what_zooms_lack(const std::vector<ZoomLens>& lenses) 
     if (camera.model != first.model)
       return fmt::format("position {} has another lens model than position {}", lenses[i].zoom, lenses.front().zoom);
     const bool rises = lenses[1].camera.fx_px > first.fx_px;
-    if (camera.fx_px == before.fx_px || (camera.fx_px > before.fx_px) != rises)
+    if (camera.fx_px == before.fx_px)
+      return fmt::format("the focal length is {:.1f} px at both {} and {}; are the positions right?", camera.fx_px,
+                         lenses[i - 1].zoom, lenses[i].zoom);
+    if ((camera.fx_px > before.fx_px) != rises)
       return fmt::format(
           "the focal length does not {} all along: {:.1f} px at position {}, {:.1f} px at {}; are the positions right?",
           rises ? "rise" : "fall", before.fx_px, lenses[i - 1].zoom, camera.fx_px, lenses[i].zoom);

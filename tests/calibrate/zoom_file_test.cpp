@@ -61,20 +61,20 @@ TEST(ZoomFile, IsThatOfALockedLensWithoutIt) {
 
 TEST(ZoomFile, NamesTheLineOfEveryMistake) {
   EXPECT_EQ(error_with("zoom:  #", "zoom: 3\nrest:  #"),
-            "z.yaml:22: zoom is no mapping: write `positions:` below it, or remove it");
-  EXPECT_EQ(error_with("  positions:", "  position:"), "z.yaml:23: 'positions' is missing");
+            "z.yaml:21: zoom is no mapping: write `positions:` below it, or remove it");
+  EXPECT_EQ(error_with("  positions:", "  position:"), "z.yaml:22: 'positions' is missing");
   EXPECT_EQ(error_with("position: 300", "position: -1"),
-            "z.yaml:41: position is -1, not a whole number from 0 to 65535");
+            "z.yaml:37: position is -1, not a whole number from 0 to 65535");
   EXPECT_EQ(error_with("position: 300", "position: 0.5"),
-            "z.yaml:41: position is 0.5, not a whole number from 0 to 65535");
-  EXPECT_EQ(error_with("position: 300", "positive: 300"), "z.yaml:41: 'position' is missing");
-  EXPECT_EQ(error_with("position: 600", "position: 300"), "z.yaml:24: position 300 is there twice");
+            "z.yaml:37: position is 0.5, not a whole number from 0 to 65535");
+  EXPECT_EQ(error_with("position: 300", "positive: 300"), "z.yaml:37: 'position' is missing");
+  EXPECT_EQ(error_with("position: 600", "position: 300"), "z.yaml:23: position 300 is there twice");
   EXPECT_EQ(error_with("position: 600", "position: 200"),
-            "z.yaml:58: position 200 comes after 300: write them by rising position");
+            "z.yaml:51: position 200 comes after 300: write them by rising position");
   EXPECT_EQ(error_with("position: 300\n      parameters: [", "position: 300\n      parameters: [7, "),
-            "z.yaml:42: parameters has 10 numbers; fx, fy, cx, cy and the coefficients of the file's model are 9");
+            "z.yaml:38: parameters has 10 numbers; fx, fy, cx, cy and the coefficients of the file's model are 9");
   EXPECT_EQ(error_with("position: 300\n      parameters: [", "position: 300\n      parameters: [-"),
-            "z.yaml:42: fx is -816.3020246417126 px; a focal length is positive");
+            "z.yaml:38: fx is -837.4387078020252 px; a focal length is positive");
   EXPECT_NE(error_with("position: 300\n      parameters: [", "position: 300\n      parameters: [1")
                 .find("does not rise all along"),
             std::string::npos);

@@ -106,8 +106,8 @@ TEST(ZoomTable, IsHonestAboutWhatItForetells) {
       }
     }
     const double rms = std::sqrt(squares / looks);
-    EXPECT_LT(rms, 1.0) << count;  // and not far above what is needed:
-    EXPECT_GT(rms, 0.1) << count;
+    EXPECT_LT(rms, 1.0) << count;  // the step that cameras round to is most of what is said
+    EXPECT_GT(rms, 0.03) << count;
     EXPECT_LT(sum / looks, 0.02) << count;
   }
 }
@@ -172,7 +172,7 @@ TEST(ZoomTable, NamesTheGapThatIsTooWide) {
   EXPECT_EQ(gap.from, 300);
   EXPECT_EQ(gap.to, 800);
   EXPECT_EQ(gap.worst, 550);
-  EXPECT_GT(gap.focal_sigma, 5 * ZoomTable(exact_lenses(kEight)).worst_gap().focal_sigma);
+  EXPECT_GT(gap.focal_sigma, 1.5 * ZoomTable(exact_lenses(kEight)).worst_gap().focal_sigma);
 }
 
 /// One recording under another's position.
@@ -216,11 +216,11 @@ TEST(ZoomTable, SaysWhatPositionsLack) {
   lenses = exact_lenses({0, 300, 600});
   std::swap(lenses[1].camera, lenses[2].camera);
   EXPECT_EQ(lack(lenses),
-            "the focal length does not rise all along: 1275.3 px at position 300, 816.3 px at 600; are the positions "
+            "the focal length does not rise all along: 1486.6 px at position 300, 837.4 px at 600; are the positions "
             "right?");
   lenses = exact_lenses({0, 300, 600});
   lenses[2].camera = lenses[1].camera;
-  EXPECT_NE(lack(lenses).find("does not rise all along"), std::string::npos);
+  EXPECT_EQ(lack(lenses), "the focal length is 837.4 px at both 300 and 600; are the positions right?");
 }
 
 }  // namespace

@@ -152,7 +152,7 @@ TEST_F(MapOfARunningLocaliser, DoesNotForgetWhichSheetsWereMoved) {
   std::vector<MappedLandmark> wrong = wall();
   wrong[1].T_world_landmark.translation_m.x() += 0.15;
   wrong.push_back(hung(4, kNowhere_m));
-  RoomMap before(CameraModel{}, {}, LandmarkMap(wrong), 0.01);
+  RoomMap before({}, LandmarkMap(wrong), 0.01);
   std::vector<SightedLandmark> seen;
   RoomLocaliser& unit = room_that_runs();
   for (const LandmarkFix& fix : look(unit).landmarks)
@@ -162,12 +162,12 @@ TEST_F(MapOfARunningLocaliser, DoesNotForgetWhichSheetsWereMoved) {
 
   std::vector<MappedLandmark> fewer = wrong;
   fewer.erase(fewer.begin());
-  RoomMap now(CameraModel{}, {}, LandmarkMap(fewer), 0.01);
+  RoomMap now({}, LandmarkMap(fewer), 0.01);
   EXPECT_TRUE(now.take_over(before));
   EXPECT_TRUE(now.world.moved().is_moved(0)) << "id 2 is the first one now";
   EXPECT_FALSE(now.world.moved().is_moved(1));
 
-  RoomMap corrected(CameraModel{}, {}, LandmarkMap(wall()), 0.01);
+  RoomMap corrected({}, LandmarkMap(wall()), 0.01);
   EXPECT_TRUE(corrected.take_over(before));
   EXPECT_FALSE(corrected.world.moved().is_moved(1)) << "the map says now where it hangs";
 }

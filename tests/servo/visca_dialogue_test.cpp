@@ -457,7 +457,7 @@ class ViscaZoomTest : public ViscaDialogueTest {
       const Bytes said = next();
       if (said == kAskPosition) hear(kAtZero);
       if (said == kAskZoom) hear(at_zoom(zoom)), ++asked;
-      if (said == move(sequence_ & 15)) hear(kAck1), hear(kDone1);
+      if (said.size() == move(0).size()) hear(kAck1), hear(kDone1);
     }
     return asked;
   }
@@ -465,6 +465,7 @@ class ViscaZoomTest : public ViscaDialogueTest {
 
 TEST_F(ViscaZoomTest, IsAskedForItsZoomFiveTimesASecondBesideAllElse) {
   get_ready();
+  hear(at_zoom(300));
   int asked = 0;
   for (int i = 0; i < 20; ++i) {
     want(i & 15);
