@@ -17,7 +17,7 @@ struct ZoomStand {
   /// So long an answer holds: several questions may go unanswered before.
   static constexpr std::chrono::milliseconds kHolds{1000};
 
-  /// The position at `time`; NaN: it was on its way, or nothing has been heard for too long.
+  /// The position at `time` [steps]; NaN: it was on its way, or nothing has been heard for too long.
   double at(MonoTime time) const noexcept {
     const bool is_known = time >= since && time - told_at <= kHolds;
     return is_known ? position : std::numeric_limits<double>::quiet_NaN();

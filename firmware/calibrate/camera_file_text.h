@@ -31,7 +31,7 @@ struct CalibrationNotes {
   std::vector<std::string> comments;  ///< lines for people at the file's beginning, without '#'
 };
 
-/// "covariance:" with its rows, a key of a mapping. \param indent  of the key
+/// "covariance:" with its rows, a key of a mapping. \param covariance  [px^2, px, 1] \param indent  of the key
 std::string format_covariance(const Eigen::MatrixXd& covariance, const std::string& indent);
 
 /// The text of a calibration file; parse_camera reads the same model back, to the last bit.

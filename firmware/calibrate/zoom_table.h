@@ -46,9 +46,8 @@ inline constexpr std::size_t kMostZooms = 64;
 /// Memory: allocates; not for the frame loop. Threads: const is safe.
 class ZoomTable {
  public:
-  /// From so many positions on the inner ones tell how well the others foretell them; with fewer the lens is known at
-  /// its positions alone. Of made-up lenses with fewer the true error was several times what they told
-  /// (tests/calibrate/zoom_table_test.cpp).
+  /// From so many positions on [1] the lens is known between them; with fewer at them alone: of one or two inner
+  /// positions one is foretold well by chance too often, and then nothing tells how far the others are off.
   static constexpr std::size_t kLeastForBetween = 5;
 
   /// \param lenses  by rising position, of which what_zooms_lack says nothing (contract)

@@ -134,7 +134,7 @@ struct PanTiltConfig {
   double oscillator_hz = 25e6;  ///< `oscillator_hz`: pca9685: 1e6..5e7
   std::string output_enable;    ///< `output_enable`: pca9685: NAME or LABEL:OFFSET of its OE pin; empty = wired
   std::string when_stopped = "release";  ///< `when_stopped`: release | hold; pca9685, dynamixel, feetech
-  int zoom = -1;                         ///< `zoom`: visca: 0..1023 [steps], set at the start; -1 = left as it is
+  int zoom = -1;                         ///< `zoom`: 0..1023 [steps]; visca sets it at the start; -1 = left as it is
   HeadAxisConfig pan, tilt;
   PanTiltConfig() { tilt.channel = 1, tilt.id = 2; }
 };

@@ -118,7 +118,8 @@ const std::array kKeys{
         "end, or hold the place",
         SLOT(when_stopped)},
     ConfigKey{"pan_tilt", "zoom", "", -1, 1023, "",
-              "`visca`: zoom position set at the start, the one that the camera was calibrated at; -1 = left as it is",
+              "`visca`: position of the zoom, set at the start; -1 = left as it is. With other drivers: where the zoom is "
+              "locked, of a calibration that knows several positions (`ninedot calibrate zoom`)",
               SLOT(zoom)},
 };
 #undef SLOT

@@ -25,7 +25,7 @@ struct Lens {
         colours(camera, options.landmark),
         calibration_error(camera, options.landmark, intrinsics) {}
 
-  std::optional<int> zoom;
+  std::optional<int> zoom;  ///< [steps] as the constructor's
   LandmarkSeeker seeker;
   ColourReader colours;
   CalibrationError calibration_error;
@@ -45,7 +45,7 @@ class LensExchange {
 
   /// Frees what was given back. Threads: any ordinary one.
   void put(std::unique_ptr<Lens> lens) noexcept { lenses_.put(std::move(lens)); }
-  /// Sleeps until a position other than `than` is asked for, at most until `deadline`.
+  /// Sleeps until a position other than `than` is asked for, at most until `deadline`. \param than  [steps]
   /// \return  what is asked for [steps]; nothing: nothing yet. Threads: any ordinary one.
   std::optional<int> wait_for_wish(std::optional<int> than, MonoTime deadline) const noexcept;
 
