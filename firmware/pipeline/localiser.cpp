@@ -140,7 +140,7 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bo
   fix.covariance_world = covariance_in_world(pose.covariance, landmark.T_world_landmark);
   fix.quality = pose_quality(pose);
   fix.sighting = {fix.id, pose.T_landmark_camera.inverse(), fix.candidates.list[chosen].dots};
-  fix.row_motion = seeker_.row_motion().sheet;
+  fix.row_motion = lens_->seeker.row_motion().sheet;
   fix.verdict = verdict_on(pose, fits, options_.trust);
   fix.place_is_sure = is_place_sure(fix.candidates, chosen, fix.verdict, 0, options_.trust);
   fix_.reason = fix.verdict;
