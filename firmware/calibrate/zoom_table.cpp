@@ -251,4 +251,16 @@ std::optional<ZoomGap> ZoomTable::turning_gap() const {
   return std::nullopt;
 }
 
+std::optional<std::string> what_gaps_lack(const ZoomTable& table) {
+  constexpr double kMaxFocalShare = 0.01;  // 1-sigma
+  if (!table.knows_between()) return std::nullopt;
+  if (const auto gap = table.turning_gap())
+    return fmt::format("between {} and {} the focal length would turn back: record one at {}, or correct the positions",
+                       gap->from, gap->to, gap->worst);
+  const ZoomGap gap = table.worst_gap();
+  if (gap.focal_sigma <= kMaxFocalShare) return std::nullopt;
+  return fmt::format("between {} and {} the focal length is foretold to {:.2g} %: record one at {}", gap.from, gap.to,
+                     100 * gap.focal_sigma, gap.worst);
+}
+
 }  // namespace ninedot

@@ -83,4 +83,8 @@ class ZoomTable {
   std::vector<IntrinsicCovariance> strengths_;  // of the walk in each gap, of the curve's values; none: too few
 };
 
+/// What is wrong between the positions, in one line; nothing: the table may be used. The focal length turns back, or is
+/// foretold to no better than 1 %: distances are off by as much. One that knows nothing between lacks nothing there.
+std::optional<std::string> what_gaps_lack(const ZoomTable& table);
+
 }  // namespace ninedot

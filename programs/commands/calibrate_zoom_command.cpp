@@ -26,9 +26,6 @@
 namespace ninedot {
 namespace {
 
-/// Of the focal length, 1-sigma between two positions: a distance is off by the same share, and a pose's own sigma is
-/// rarely above it (docs/accuracy.md).
-constexpr double kMaxFocalShare = 0.01;
 constexpr int kMaxZoom = 0xFFFF;  // what VISCA can say
 
 struct CalibrateZoomArguments {
@@ -169,15 +166,7 @@ class ZoomCalibration {
 ZoomTable zoom_table(std::vector<ZoomLens> lenses) {
   if (const auto lack = what_zooms_lack(lenses)) give_up(*lack);
   ZoomTable table(std::move(lenses));
-  if (!table.knows_between()) return table;
-  if (const auto gap = table.turning_gap())
-    give_up(
-        fmt::format("between {} and {} the focal length would turn back: record one at {}, or correct the positions",
-                    gap->from, gap->to, gap->worst));
-  const ZoomGap gap = table.worst_gap();
-  if (!(gap.focal_sigma <= kMaxFocalShare))
-    give_up(fmt::format("between {} and {} the focal length is foretold to {:.2g} %: record one at {}", gap.from,
-                        gap.to, 100 * gap.focal_sigma, gap.worst));
+  if (const auto lack = what_gaps_lack(table)) give_up(*lack);
   return table;
 }
 

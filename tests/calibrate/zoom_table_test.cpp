@@ -173,6 +173,11 @@ TEST(ZoomTable, NamesTheGapThatIsTooWide) {
   EXPECT_EQ(gap.to, 800);
   EXPECT_EQ(gap.worst, 550);
   EXPECT_GT(gap.focal_sigma, 1.5 * ZoomTable(exact_lenses(kEight)).worst_gap().focal_sigma);
+  EXPECT_FALSE(what_gaps_lack(table));
+  // Cams that wobble more.
+  EXPECT_EQ(
+      what_gaps_lack(ZoomTable(exact_lenses({0, 150, 300, 800, 900, 1023}, 0.05))).value_or("nothing").substr(0, 52),
+      "between 300 and 800 the focal length is foretold to ");
 }
 
 /// One recording under another's position.
@@ -181,6 +186,7 @@ TEST(ZoomTable, IsUncertainWhereOnePositionContradictsTheOthers) {
   lenses[3].camera.fx_px *= 1.06, lenses[3].camera.fy_px *= 1.06;
   const ZoomTable table(lenses);
   EXPECT_GT(table.worst_gap().focal_sigma, 0.01);
+  EXPECT_TRUE(what_gaps_lack(table));
   const auto off = [&](const HeldOutZoom& held_out) {
     return std::abs(
         std::log(held_out.foretold.fx_px / std::ranges::find(lenses, held_out.zoom, &ZoomLens::zoom)->camera.fx_px));
@@ -199,6 +205,8 @@ TEST(ZoomTable, FindsWhereItsCurveTurnsBack) {
   const auto gap = ZoomTable(lenses).turning_gap();
   ASSERT_TRUE(gap);
   EXPECT_EQ(gap->to - gap->from, 200);
+  EXPECT_NE(what_gaps_lack(ZoomTable(lenses)).value_or("").find(" the focal length would turn back: record one at "),
+            std::string::npos);
 }
 
 TEST(ZoomTable, SaysWhatPositionsLack) {
