@@ -1,8 +1,9 @@
 // How well lenses are known after a calibration: true lenses of all three models, rendered views, and the error of the
-// directions that the calibration gives to pixels, beside what it says itself and beside OpenCV's calibrateCamera on
-// the same frames.
+// directions that the calibration gives to pixels, beside what it says itself and beside OpenCV's calibrateCamera and
+// mrcal on the same frames.
 //
-//     bench_calibrate [--views 60] [--seeds 3] [--lens NAME]     rendered here
+//     bench_calibrate [--views 60] [--seeds 3] [--lens NAME] [--grid]    rendered here; a grid of dots in place of the
+//     landmark, which mrcal takes too
 //     bench_calibrate RECORDING...                               with a camera_true.yaml
 //     bench_calibrate --outlines [--seeds 20] [--lens NAME]      errors of the parameters in their sigmas, no pictures
 //     bench_calibrate --save FOLDER [--lens NAME]                a rendered recording, and views.png: twelve of its
@@ -13,8 +14,10 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,7 +27,9 @@
 #include "calibrate_camera/sheet_finder.h"
 #include "drivers/picture/picture_file.h"
 #include "programs/assembly/input_files.h"
+#include "programs/commands/calibration_target.h"
 #include "programs/commands/collect_views.h"
+#include "tests/bench/mrcal_lens.h"
 #include "tests/calibrate_camera/lens_scene.h"
 #include "tests/support/random.h"
 
@@ -52,21 +57,34 @@ std::vector<TrueLens> lenses() {
       {"fisheye", lens(262.4, 262.9, 317.8, 241.6, DistortionModel::kEquidistant, {0.021, -0.009, 0.004, -0.001})}};
 }
 
-std::vector<SheetView> views_of(const CameraModel& truth, std::size_t count, std::uint64_t seed, double& search_s) {
-  const LandmarkGeometry landmark;
-  const std::vector<PlaneDisc> discs = discs_of(landmark);
-  LandmarkFinder finder(usual_camera(truth.width_px, truth.height_px), landmark);
+CalibrationTarget the_landmark() {
+  CalibrationTarget target;
+  target.discs = discs_of(target.landmark);
+  return target;
+}
+CalibrationTarget the_grid() {
+  CalibrationTarget target;
+  target.grid = DotGrid{9, 7, 0.025};
+  target.discs = discs_of(*target.grid);
+  return target;
+}
+
+Sheet printed(const CalibrationTarget& target) { return target.grid ? dot_grid_sheet(*target.grid) : nine_dot_sheet(); }
+
+std::vector<SheetView> views_of(const CameraModel& truth, const CalibrationTarget& target, std::size_t count,
+                                std::uint64_t seed, double& search_s) {
+  const std::unique_ptr<SheetFinder> finder = target.finder(usual_camera(truth.width_px, truth.height_px));
   Holding holding;
   holding.min_distance_m *= truth.fx_px / 612, holding.max_distance_m *= truth.fx_px / 612;
   std::vector<SheetView> views;
   std::uint64_t index = 0;
   for (; views.size() < count && index < 3 * count; ++index) {
     const Picture picture =
-        held_picture(truth, held_pose(truth, holding, seed, index), nine_dot_sheet(), random_bits(seed, 1000 + index));
+        held_picture(truth, held_pose(truth, holding, seed, index), printed(target), random_bits(seed, 1000 + index));
     const auto begun = Clock::now();
-    std::vector<SeenDisc> seen = finder.find(picture.view());
+    std::vector<SeenDisc> seen = finder->find(picture.view());
     if (!seen.empty()) {
-      views.push_back(keep_view(picture.view(), std::move(seen), discs));
+      views.push_back(keep_view(picture.view(), std::move(seen), target.discs));
       views.back().frame = index;
     }
     search_s += std::chrono::duration<double>(Clock::now() - begun).count();
@@ -75,11 +93,11 @@ std::vector<SheetView> views_of(const CameraModel& truth, std::size_t count, std
 }
 
 /// Centres of ellipses through the outlines that ours were measured on: the best that a user of OpenCV can give it.
-std::vector<SheetView> with_ellipse_centres(const LensCalibration& known) {
+std::vector<SheetView> with_ellipse_centres(const LensCalibration& known, const CalibrationTarget& target) {
   std::vector<SheetView> views = known.views;
   for (SheetView& view : views) {
     std::vector<SeenDisc> seen;
-    for (std::size_t disc = 0; disc < kDotCount; ++disc) {
+    for (std::size_t disc = 0; disc < target.discs.size(); ++disc) {
       std::vector<cv::Point2f> outline;
       for (const EdgePoint& edge : view.edges)
         if (edge.disc == disc)
@@ -96,12 +114,11 @@ std::vector<SheetView> with_ellipse_centres(const LensCalibration& known) {
 
 /// Where the middle of each disc is seen, given where its centroid is: what a user of OpenCV had to work out by
 /// himself.
-std::vector<SheetView> with_middles(const LensCalibration& known) {
-  const std::vector<PlaneDisc> discs = discs_of(LandmarkGeometry{});
-  std::vector<SheetView> views = with_ellipse_centres(known);
+std::vector<SheetView> with_middles(const LensCalibration& known, const CalibrationTarget& target) {
+  std::vector<SheetView> views = with_ellipse_centres(known, target);
   for (SheetView& view : views)
     for (SeenDisc& seen : view.seen) {
-      const PlaneDisc& disc = discs[seen.disc];
+      const PlaneDisc& disc = target.discs[seen.disc];
       const auto at = std::ranges::find(known.views, view.frame, &SheetView::frame) - known.views.begin();
       const CameraFromLandmark& T = known.fit.views[static_cast<std::size_t>(at)].T_camera_sheet;
       seen.centre_px += known.fit.camera.pixel_from_normalised(project_plane_point(T, disc.centre_m)) -
@@ -110,8 +127,8 @@ std::vector<SheetView> with_middles(const LensCalibration& known) {
   return views;
 }
 
-CameraModel by_opencv(const CameraModel& truth, const std::vector<SheetView>& views, double& seconds) {
-  const std::vector<PlaneDisc> discs = discs_of(LandmarkGeometry{});
+CameraModel by_opencv(const CameraModel& truth, const std::vector<PlaneDisc>& discs,
+                      const std::vector<SheetView>& views, double& seconds) {
   std::vector<std::vector<cv::Point3f>> objects;
   std::vector<std::vector<cv::Point2f>> pictures;
   for (const SheetView& view : views) {
@@ -144,22 +161,35 @@ CameraModel by_opencv(const CameraModel& truth, const std::vector<SheetView>& vi
 }
 
 /// As a user of OpenCV does it.
-DirectionErrors opencv_errors(const CameraModel& truth, const std::vector<SheetView>& views, double& seconds) {
+DirectionErrors opencv_errors(const CameraModel& truth, const std::vector<PlaneDisc>& discs,
+                              const std::vector<SheetView>& views, double& seconds) {
   try {
-    return direction_differences(truth, by_opencv(truth, views, seconds));
+    return direction_differences(truth, by_opencv(truth, discs, views, seconds));
   } catch (const cv::Exception&) {
     return {};
   }
 }
 
+/// "median max" of mrcal, or why there is none: it takes boards that are a regular grid.
+std::string mrcal_words(const CameraModel& truth, const CalibrationTarget& target,
+                        const std::vector<SheetView>& views) {
+  static const bool is_installed = has_mrcal();
+  if (!target.grid) return "no grid";
+  if (!is_installed) return "not installed";
+  const std::optional<CameraModel> lens = lens_by_mrcal(truth, *target.grid, views);
+  if (!lens) return "failed";
+  const DirectionErrors off = direction_differences(truth, *lens);
+  return fmt::format("{:>8.4f} {:>8.4f}", off.median_px(), off.max_px());
+}
+
 /// One line of the table. \return  squares of the parameters' errors in their sigmas, and how many; 0 where the models
 /// differ
 std::pair<double, double> report(const std::string& name, const std::string& seed, const CameraModel& truth,
-                                 std::vector<SheetView> views, double search_s) {
+                                 const CalibrationTarget& target, std::vector<SheetView> views, double search_s) {
   LensCalibrationOptions options;
   options.width_px = truth.width_px, options.height_px = truth.height_px;
   const auto begun = Clock::now();
-  const auto result = calibrate_lens(discs_of(LandmarkGeometry{}), std::move(views), options);
+  const auto result = calibrate_lens(target.discs, std::move(views), options);
   const double seconds = search_s + std::chrono::duration<double>(Clock::now() - begun).count();
   fmt::print("{:<9} {:>4} ", name, seed);
   std::pair<double, double> squares{0, 0};
@@ -169,8 +199,9 @@ std::pair<double, double> report(const std::string& name, const std::string& see
   }
   const DirectionErrors off = direction_differences(truth, result->fit.camera);
   double opencv_s = 0, ignored_s = 0;
-  const DirectionErrors opencv = opencv_errors(truth, with_ellipse_centres(*result), opencv_s);
-  const DirectionErrors corrected = opencv_errors(truth, with_middles(*result), ignored_s);
+  const DirectionErrors opencv = opencv_errors(truth, target.discs, with_ellipse_centres(*result, target), opencv_s);
+  const std::vector<SheetView> middles = with_middles(*result, target);
+  const DirectionErrors corrected = opencv_errors(truth, target.discs, middles, ignored_s);
   double z_rms = 0;
   if (result->fit.camera.model == truth.model) {
     const Eigen::VectorXd error = parameters_of(result->fit.camera) - parameters_of(truth);
@@ -180,33 +211,34 @@ std::pair<double, double> report(const std::string& name, const std::string& see
   }
   fmt::print(
       "{:>3} {:<19} |{:>7.4f} {:>7.4f} |{:>7.4f} {:>7.4f} |{:>5.2f} |{:>7.4f} {:>6.4f} {:>5.2f} |{:>6.2f} |{:>8.3f} "
-      "{:>8.3f} {:>6.2f} |{:>8.4f} {:>8.4f}\n",
+      "{:>8.3f} {:>6.2f} |{:>8.4f} {:>8.4f} |{:>18}\n",
       result->views.size(), name_of(result->fit.camera.model), off.median_px(), off.max_px(),
       result->directions.median_px(), result->directions.max_px(), z_rms, result->rms_px, result->fit.floor_px,
       result->covariance.variance_factor, seconds, opencv.median_px(), opencv.max_px(), opencv_s, corrected.median_px(),
-      corrected.max_px());
+      corrected.max_px(), mrcal_words(truth, target, middles));
   std::fflush(stdout);
   return squares;
 }
 
 void print_heading() {
-  fmt::print("{:<9} {:>4} {:>3} {:<19} |{:^15} |{:^15} |{:^5} |{:^20} |{:>6} |{:^25} |{:^18}\n", "", "", "", "",
-             "error px", "said px", "z", "outlines px", "time", "OpenCV, ellipse centres", "OpenCV, middles");
+  fmt::print("{:<9} {:>4} {:>3} {:<19} |{:^15} |{:^15} |{:^5} |{:^20} |{:>6} |{:^25} |{:^18} |{:^18}\n", "", "", "", "",
+             "error px", "said px", "z", "outlines px", "time", "OpenCV, ellipse centres", "OpenCV, middles",
+             "mrcal, middles");
   fmt::print(
       "{:<9} {:>4} {:>3} {:<19} |{:>7} {:>7} |{:>7} {:>7} |{:>5} |{:>7} {:>6} {:>5} |{:>6} |{:>8} {:>8} {:>6} |"
-      "{:>8} {:>8}\n",
+      "{:>8} {:>8} |{:>9} {:>8}\n",
       "lens", "seed", "n", "model", "median", "max", "median", "max", "rms", "rms", "floor", "f", "s", "median", "max",
-      "s", "median", "max");
+      "s", "median", "max", "median", "max");
 }
 
-void run_rendered(std::size_t count, std::uint64_t seeds, const std::string& only) {
+void run_rendered(const CalibrationTarget& target, std::size_t count, std::uint64_t seeds, const std::string& only) {
   for (const TrueLens& lens : lenses()) {
     if (!only.empty() && only != lens.name) continue;
     std::pair<double, double> sum{0, 0};
     for (std::uint64_t seed = 101; seed < 101 + seeds; ++seed) {
       double search_s = 0;
-      std::vector<SheetView> views = views_of(lens.camera, count, seed, search_s);
-      const auto squares = report(lens.name, std::to_string(seed), lens.camera, std::move(views), search_s);
+      std::vector<SheetView> views = views_of(lens.camera, target, count, seed, search_s);
+      const auto squares = report(lens.name, std::to_string(seed), lens.camera, target, std::move(views), search_s);
       sum.first += squares.first, sum.second += squares.second;
     }
     if (sum.second > 0)
@@ -291,12 +323,12 @@ void save_recording(const std::string& folder, const std::string& only, std::siz
 
 void run_recording(const std::string& folder) {
   const CameraModel truth = read_camera_file(folder + "/camera_true.yaml");
-  const LandmarkGeometry landmark;
-  LandmarkFinder finder(usual_camera(truth.width_px, truth.height_px), landmark);
+  const CalibrationTarget target = the_landmark();
+  const std::unique_ptr<SheetFinder> finder = target.finder(usual_camera(truth.width_px, truth.height_px));
   const auto begun = Clock::now();
   const CollectedViews collected =
-      collect_views(check_recordings({folder}), finder, discs_of(landmark), [](const std::string&) { return true; });
-  report(folder.substr(folder.find_last_of('/') + 1), "", truth, collected.views.views(),
+      collect_views(check_recordings({folder}), *finder, target.discs, [](const std::string&) { return true; });
+  report(folder.substr(folder.find_last_of('/') + 1), "", truth, target, collected.views.views(),
          std::chrono::duration<double>(Clock::now() - begun).count());
 }
 
@@ -308,11 +340,11 @@ int main(int argc, char** argv) {
   std::uint64_t seeds = 3;
   std::string only, save;
   std::vector<std::string> folders;
-  bool outlines = false;
+  bool outlines = false, grid = false;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    if (word == "--outlines") {
-      outlines = true;
+    if (word == "--outlines" || word == "--grid") {
+      (word == "--grid" ? grid : outlines) = true;
       continue;
     }
     if (!word.starts_with("--")) {
@@ -336,6 +368,6 @@ int main(int argc, char** argv) {
   }
   ninedot::print_heading();
   for (const std::string& folder : folders) ninedot::run_recording(folder);
-  if (folders.empty()) ninedot::run_rendered(views, seeds, only);
+  if (folders.empty()) ninedot::run_rendered(grid ? ninedot::the_grid() : ninedot::the_landmark(), views, seeds, only);
   return 0;
 }

@@ -19,14 +19,6 @@ CameraModel barrel() {
   return {640, 480, 612.3, 611.1, 323.1, 236.4, DistortionModel::kPlumbBob, {-0.21, 0.06, 0.0007, -0.0004, 0.01}};
 }
 
-test::Sheet printed(const DotGrid& grid) {
-  test::Sheet sheet;
-  sheet.width_m = (grid.columns + 1) * grid.pitch_m, sheet.height_m = (grid.rows + 1) * grid.pitch_m;
-  for (const PlaneDisc& disc : discs_of(grid))
-    sheet.discs.push_back({disc.centre_m.x(), disc.centre_m.y(), disc.radius_m, 0.04});
-  return sheet;
-}
-
 /// \return  the largest distance of a dot from where it truly is; -1: one that is not there. [px]
 double worst_px(const CameraModel& camera, const test::CameraPose& pose, const std::vector<SeenDisc>& seen) {
   const std::vector<PlaneDisc> discs = discs_of(kGrid);
@@ -68,7 +60,7 @@ TEST(GridFinder, NumbersTheDotsFromEverySide) {
     view.distance_m = random.uniform(0.35, 0.7), view.tilt_rad = random.uniform(0, 0.8);
     view.azimuth_rad = random.uniform(-3, 3), view.roll_rad = random.uniform(-3, 3);
     const test::CameraPose pose = test::look_at_landmark(view);
-    const test::Picture picture = test::held_picture(barrel(), pose, printed(kGrid), i);
+    const test::Picture picture = test::held_picture(barrel(), pose, test::dot_grid_sheet(kGrid), i);
     const std::vector<SeenDisc> seen = finder.find(picture.view());
     if (seen.empty()) continue;
     ++found;
@@ -83,7 +75,8 @@ TEST(GridFinder, KnowsAPartOfTheGridByItsLargeDots) {
   test::Viewpoint near;
   near.distance_m = 0.2, near.roll_rad = 1, near.off_axis_x_rad = 0.1;
   const test::CameraPose pose = test::look_at_landmark(near);
-  const std::vector<SeenDisc> seen = finder.find(test::held_picture(barrel(), pose, printed(kGrid), 3).view());
+  const std::vector<SeenDisc> seen =
+      finder.find(test::held_picture(barrel(), pose, test::dot_grid_sheet(kGrid), 3).view());
   ASSERT_GE(seen.size(), 16U);
   EXPECT_LT(seen.size(), 63U);
   EXPECT_LT(worst_px(barrel(), pose, seen), 1);
@@ -96,7 +89,7 @@ TEST(GridFinder, TakesNothingElseForTheGrid) {
   // A grid without large dots, and one that is too large for its large dots' places.
   EXPECT_TRUE(
       finder.find(test::held_picture(barrel(), pose, test::dot_grid_sheet(9, 7, 0.025, 0.00625), 1).view()).empty());
-  EXPECT_TRUE(finder.find(test::held_picture(barrel(), pose, printed({13, 11, 0.02}), 1).view()).empty());
+  EXPECT_TRUE(finder.find(test::held_picture(barrel(), pose, test::dot_grid_sheet({13, 11, 0.02}), 1).view()).empty());
 }
 
 TEST(GridFinder, ServesACalibration) {
@@ -107,7 +100,7 @@ TEST(GridFinder, ServesACalibration) {
   holding.off_centre_share = 0.6, holding.min_distance_m = 0.3, holding.max_distance_m = 0.6;
   for (std::uint64_t i = 0; i < 14; ++i) {
     const test::Picture picture =
-        test::held_picture(barrel(), test::held_pose(barrel(), holding, 5, i), printed(kGrid), i);
+        test::held_picture(barrel(), test::held_pose(barrel(), holding, 5, i), test::dot_grid_sheet(kGrid), i);
     if (std::vector<SeenDisc> seen = finder.find(picture.view()); !seen.empty())
       views.push_back(keep_view(picture.view(), std::move(seen), discs));
   }

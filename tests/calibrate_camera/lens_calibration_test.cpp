@@ -8,6 +8,7 @@
 #include <string>
 
 #include "calibrate_camera/lens_parameters.h"
+#include "calibrate_camera/lens_prior.h"
 #include "calibrate_camera/sheet_finder.h"
 #include "calibrate_camera/sufficiency.h"
 #include "tests/calibrate_camera/lens_scene.h"
@@ -180,6 +181,62 @@ TEST(LensCovariance, IsThatOfTheErrorsMade) {
   }
   EXPECT_GT(directions / kTrials, 0.6);
   EXPECT_LT(directions / kTrials, 1.4);
+}
+
+// Another lens than any that the prior was weighed on: a depth camera's. What is believed still shows in single
+// coefficients, since all trials are off the same way.
+TEST(LensCovariance, OfARationalLensHoldsForEachCoefficient) {
+  constexpr int kTrials = 6;
+  const CameraModel lens{640,
+                         480,
+                         420,
+                         420.6,
+                         322.7,
+                         238.1,
+                         DistortionModel::kRationalPolynomial,
+                         {4.9, 3.1, 0.0003, -0.0002, 0.16, 5.2, 4.6, 0.9}};
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(12);
+  double worst_px = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::vector<SheetView> views;
+    const LensFit fit = fit_of_perfect_views(lens, 24, 12000 + static_cast<std::uint64_t>(trial), views);
+    const Eigen::VectorXd error = parameters_of(fit.camera) - parameters_of(lens);
+    squares += error.cwiseAbs2().cwiseQuotient(lens_covariance(kDiscs, views, fit).matrix.diagonal());
+    worst_px = std::max(worst_px, direction_differences(lens, fit.camera).max_px());
+  }
+  SCOPED_TRACE(testing::Message() << (squares / kTrials).cwiseSqrt().transpose() << ", directions " << worst_px);
+  EXPECT_LT(std::sqrt(squares.sum() / (12 * kTrials)), 1.5);
+  for (const double mean_square : squares / kTrials) EXPECT_LT(mean_square, 3 * 3);
+  EXPECT_LT(worst_px, 2) << "a pole in the picture";
+}
+
+TEST(LensPrior, HasTheDerivativesOfItsResiduals) {
+  CameraModel rational = barrel();
+  rational.model = DistortionModel::kRationalPolynomial;
+  rational.k = {1.6, 0.35, 0.0004, -0.0003, 0.012, 1.95, 0.72, 0.06};
+  for (const CameraModel& lens : {barrel(), fisheye(), rational}) {
+    const LensPrior prior(lens);
+    const Eigen::VectorXd values = parameters_of(lens);
+    Eigen::VectorXd at, ahead, behind;
+    Eigen::MatrixXd jacobian;
+    ASSERT_TRUE(prior.evaluate(values, at, &jacobian));
+    ASSERT_EQ(jacobian.rows(), prior.count());
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+      const Eigen::VectorXd step = 1e-5 * Eigen::VectorXd::Unit(values.size(), i);
+      ASSERT_TRUE(prior.evaluate(values + step, ahead, nullptr) && prior.evaluate(values - step, behind, nullptr));
+      EXPECT_LT(((ahead - behind) / 2e-5 - jacobian.col(i)).lpNorm<Eigen::Infinity>(), 1e-6) << i;
+    }
+  }
+}
+
+TEST(LensPrior, RefusesAPoleInThePicture) {
+  CameraModel lens = barrel();
+  lens.model = DistortionModel::kRationalPolynomial;
+  lens.k = {};
+  Eigen::VectorXd residuals, values = parameters_of(lens);
+  ASSERT_TRUE(LensPrior(lens).evaluate(values, residuals, nullptr));
+  values(kPlainIntrinsics + 5) = -4;  // 1 - 4 r^2 is zero half-way to the corner
+  EXPECT_FALSE(LensPrior(lens).evaluate(values, residuals, nullptr));
 }
 
 TEST(LensCovariance, GrowsWithWhatViewsHaveInCommonThatTheModelDoesNotExplain) {

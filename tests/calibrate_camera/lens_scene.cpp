@@ -51,6 +51,14 @@ Lens renderer_lens(const CameraModel& camera) {
   return lens;
 }
 
+Sheet dot_grid_sheet(const DotGrid& grid) {
+  Sheet sheet;
+  sheet.width_m = (grid.columns + 1) * grid.pitch_m, sheet.height_m = (grid.rows + 1) * grid.pitch_m;
+  for (const PlaneDisc& disc : discs_of(grid))
+    sheet.discs.push_back({disc.centre_m.x(), disc.centre_m.y(), disc.radius_m, 0.04});
+  return sheet;
+}
+
 Picture held_picture(const CameraModel& camera, const CameraPose& pose, const Sheet& sheet, std::uint64_t seed) {
   Scene scene;
   scene.lens = renderer_lens(camera);

@@ -6,6 +6,7 @@
 
 #include "calibrate_camera/sheet_view.h"
 #include "geometry/camera_model.h"
+#include "geometry/dot_grid.h"
 #include "geometry/transform.h"
 #include "tests/support/renderer.h"
 
@@ -27,7 +28,10 @@ CameraPose frontal_pose(std::uint64_t seed, std::uint64_t index);
 CameraFromLandmark sheet_before(const CameraPose& pose);
 Lens renderer_lens(const CameraModel& camera);
 
-/// A picture of the landmark, with noise of 1.5 grey levels.
+/// As it is printed.
+Sheet dot_grid_sheet(const DotGrid& grid);
+
+/// A picture of a sheet, with noise of 1.5 grey levels.
 Picture held_picture(const CameraModel& camera, const CameraPose& pose, const Sheet& sheet, std::uint64_t seed);
 
 /// What a perfect search and measurement of a view would give: discs wholly inside of the picture, and points on their
