@@ -323,6 +323,8 @@ class Equations {
 }  // namespace
 
 bool adjust_head(HeadNetwork& network, const HeadAdjustmentOptions& options) {
+  if (std::ranges::none_of(network.sightings, [&](const StopSighting& sighting) { return network.counts(sighting); }))
+    return false;
   return Equations(network, options).solve();
 }
 

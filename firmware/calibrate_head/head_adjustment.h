@@ -20,14 +20,15 @@ struct HeadAdjustmentOptions {
   std::function<bool()> go_on;  ///< asked after every step; false ends the work where it is; may be empty
 };
 
-/// Moves what `network` counts, from where it is. \return  false: it can't be evaluated, or it was told to stop
+/// Moves what `network` counts, from where it is.
+/// \return  false: nothing counts, it can't be evaluated, or it was told to stop
 bool adjust_head(HeadNetwork& network, const HeadAdjustmentOptions& options);
 
 /// Of the chain: tilt_axis_m.x, camera_m, and a rotation vector of the camera in the axes of the tilted head,
 /// exp(rotation) R. [m, rad]
 inline constexpr int kChainUnknowns = 7;
 
-/// Covariances of what adjust_head finds, about where `network` is.
+/// Covariances of what adjust_head finds, about where `network` is. \pre adjust_head was successful there (contract)
 struct HeadCovariance {
   Eigen::Matrix<double, kChainUnknowns, kChainUnknowns> chain;  ///< [m^2, m rad, rad^2]
   double skew_rad2 = 0;                                         ///< variance; 0 unless it was freed

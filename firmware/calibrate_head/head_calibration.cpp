@@ -27,6 +27,8 @@ constexpr double kLeastRobust_rad = 0.02 * kRadPerDeg;
 constexpr double kSettled = 0.02;  // of the spread
 constexpr double kMedianDeviate = 0.6745;
 constexpr std::size_t kFolds = 8;
+/// Fewer say nothing of a spread.
+constexpr std::ptrdiff_t kLeastStops = 5;
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -158,8 +160,9 @@ class HeadFitter {
   /// The spreads that are likeliest where the fit is now, and the pictures' factor.
   /// \return  false: too little is left
   bool take_spreads() {
-    const HeadCovariance covariance = covariance_of_head(network_, false);
     const std::vector<bool> is_used = used_stops(network_);
+    if (std::ranges::count(is_used, true) < kLeastStops) return false;
+    const HeadCovariance covariance = covariance_of_head(network_, false);
     double pan = 0, tilt = 0, chi2 = 0, count = 0, freedoms = -kChainUnknowns;
     for (std::size_t i = 0; i < is_used.size(); ++i) {
       if (!is_used[i]) continue;
@@ -176,7 +179,7 @@ class HeadFitter {
       is_placed[sighting.place] = true;
     }
     freedoms -= 6.0 * static_cast<double>(std::ranges::count(is_placed, true));
-    if (count < 5 || freedoms < 1 || !std::isfinite(pan + tilt + chi2)) return false;
+    if (freedoms < 1 || !std::isfinite(pan + tilt + chi2)) return false;
     network_.pan_spread_rad = std::max(kLeastSpread_rad, std::sqrt(pan / count));
     network_.tilt_spread_rad = std::max(kLeastSpread_rad, std::sqrt(tilt / count));
     network_.variance_factor = std::max(1.0, chi2 / freedoms);
@@ -190,14 +193,11 @@ class HeadFitter {
     return is_used;
   }
 
-  /// The first guess, had the configuration been right.
+  /// By the first guess, which has the angles as they are told.
   double foretold_before_rad() const {
-    HeadNetwork before = network_;
-    for (AngleTable* table : {&before.pan, &before.tilt}) table->angle_rad = table->told_rad;
-    place_landmarks(before);
     std::vector<double> off;
-    for (const StopSighting& sighting : before.sightings)
-      off.push_back(off_rad(before, sighting, before.stops[sighting.stop].told));
+    for (const StopSighting& sighting : network_.sightings)
+      off.push_back(off_rad(network_, sighting, network_.angles[sighting.stop]));
     return median(off) * kRmsOverMedian;
   }
   /// Of a direction's two errors, normal and alike: the median of their length is sqrt(2 ln 2) sigma, its root mean

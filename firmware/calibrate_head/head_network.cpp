@@ -1,7 +1,6 @@
 #include "calibrate_head/head_network.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -13,7 +12,8 @@
 namespace ninedot {
 namespace {
 
-/// Where pictures and told angles together may err by in the beginning: a table that is 10 % wrong at 30 deg.
+/// In the beginning: a table that is 10 % wrong at 30 deg. One that is wrong by more, or by its sign, has little weight
+/// then, and the pictures find the angles.
 constexpr double kFirstSpread_rad = 3 * kRadPerDeg;
 
 /// How much two places of one landmark differ. [1]
@@ -28,46 +28,35 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-struct Vote {
-  FootFromLandmark place;
-  double spread = 0;  // median difference to the others [1]
-};
-
 /// The one that is nearest to most.
-Vote most_agreed(const std::vector<FootFromLandmark>& candidates) {
-  Vote best{{}, std::numeric_limits<double>::infinity()};
+FootFromLandmark most_agreed(const std::vector<FootFromLandmark>& candidates) {
+  FootFromLandmark best;
+  double least = std::numeric_limits<double>::infinity();
   for (const FootFromLandmark& candidate : candidates) {
     std::vector<double> differences;
     for (const FootFromLandmark& other : candidates) differences.push_back(difference(candidate, other));
-    if (const double spread = median(std::move(differences)); spread < best.spread) best = {candidate, spread};
+    if (const double typical = median(std::move(differences)); typical < least) best = candidate, least = typical;
   }
   return best;
 }
 
-AngleTable straight_table(std::span<const AxisStop> stops, double sign) {
-  AngleTable table{even_knots(stops, 2), {}, 0};
-  const double anchor = anchor_rad(table.told_rad);
-  for (const double told_rad : table.told_rad) table.angle_rad.push_back(anchor + sign * (told_rad - anchor));
-  return table;
+AngleTable table_as_told(std::span<const AxisStop> stops) {
+  const std::vector<double> knots = even_knots(stops, 2);
+  return {knots, knots, 0};
 }
 
-}  // namespace
-
-double place_landmarks(HeadNetwork& network) {
+/// Where most of their sightings have them, by chain and tables as they are.
+void place_landmarks(HeadNetwork& network) {
   std::vector<std::vector<FootFromLandmark>> candidates(network.places.size());
   for (const StopSighting& sighting : network.sightings) {
     const HeadAngles angles = angles_of(network, network.stops[sighting.stop].told);
     candidates[sighting.place].push_back(camera_on_body(network.body, angles).T_body_camera *
                                          sighting.seen->T_camera_landmark);
   }
-  double spread = 0;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const Vote vote = most_agreed(candidates[i]);
-    network.places[i].T_foot_landmark = vote.place;
-    spread += vote.spread * static_cast<double>(candidates[i].size());
-  }
-  return spread;
+  for (std::size_t i = 0; i < candidates.size(); ++i) network.places[i].T_foot_landmark = most_agreed(candidates[i]);
 }
+
+}  // namespace
 
 HeadNetwork guess_network(std::span<const HeadStop> stops, const LandmarkGeometry& landmark, const BodyGeometry& body) {
   EXPECTS(stops.size() >= 5);
@@ -91,17 +80,11 @@ HeadNetwork guess_network(std::span<const HeadStop> stops, const LandmarkGeometr
     }
   }
 
-  HeadNetwork best;
-  double least = std::numeric_limits<double>::infinity();
-  for (const double pan_sign : {1.0, -1.0}) {
-    for (const double tilt_sign : {1.0, -1.0}) {
-      network.pan = straight_table(pan, pan_sign);
-      network.tilt = straight_table(tilt, tilt_sign);
-      if (const double spread = place_landmarks(network); spread < least) best = network, least = spread;
-    }
-  }
-  for (const HeadStop& stop : stops) best.angles.push_back(angles_of(best, stop.told));
-  return best;
+  network.pan = table_as_told(pan);
+  network.tilt = table_as_told(tilt);
+  place_landmarks(network);
+  for (const HeadStop& stop : stops) network.angles.push_back(stop.told);
+  return network;
 }
 
 double off_rad(const HeadNetwork& network, const StopSighting& sighting, const HeadAngles& angles) {

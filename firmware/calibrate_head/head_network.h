@@ -55,14 +55,10 @@ inline HeadAngles angles_of(const HeadNetwork& network, const HeadAngles& told) 
   return {network.pan.at(told.pan_rad), network.tilt.at(told.tilt_rad)};
 }
 
-/// A first guess, from what a configuration says of the head: signs of both axes, and places of the landmarks.
+/// A first guess, from what a configuration says of the head: angles as told, and places of the landmarks with them.
 /// Poses that are another reading of their picture (mirror images) are outvoted.
 /// \param stops  five at least, and outlive the result
 HeadNetwork guess_network(std::span<const HeadStop> stops, const LandmarkGeometry& landmark, const BodyGeometry& body);
-
-/// Hangs the landmarks where most of their sightings have them, by chain and tables as they are.
-/// \return  the sum over all sightings of how far those of a landmark typically disagree [1]
-double place_landmarks(HeadNetwork& network);
 
 /// The direction to a sighting's landmark, foretold by `angles`, against the one that is seen. [rad]
 double off_rad(const HeadNetwork& network, const StopSighting& sighting, const HeadAngles& angles);

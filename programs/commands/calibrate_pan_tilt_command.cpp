@@ -56,12 +56,15 @@ HeadCalibration calibrate(const std::vector<HeadFrame>& frames, const LandmarkGe
   const FoundStops found = find_stops(frames);
   refuse(what_stops_lack(found));
   Progress progress;
+  bool is_stopped = false;
   const auto head = calibrate_head(found.stops, landmark, body_geometry(config.body), [&] {
     progress.show(fmt::format("{} stops: working out the head", found.stops.size()));
-    return signals.wait(0ns) == 0;
+    is_stopped = is_stopped || signals.wait(0ns) != 0;
+    return !is_stopped;
   });
   progress.clear();
-  if (!head) refuse({"stopped, or nothing explains the stops: nothing was written"});
+  if (!head && is_stopped) refuse({"stopped: nothing was written"});
+  if (!head) refuse({"no head explains the stops: were robot or landmarks moved in between, or does the head slip?"});
   refuse(what_head_lacks(*head));
   return *head;
 }

@@ -101,6 +101,9 @@ std::vector<AxisPoint> corrected_table(const AxisCalibration& axis, const ServoA
   std::vector<double> told;
   for (const double corner : corners)
     if (corner > from + kSamePoint_rad && corner < to - kSamePoint_rad) told.push_back(corner);
+  // Both ends must be in it; of the longest table those beside them make room.
+  if (told.size() + 2 > ServoAxis::kMaxPoints) told.erase(told.begin());
+  if (told.size() + 2 > ServoAxis::kMaxPoints) told.pop_back();
   const bool has_room = told.size() + axis.points.size() <= ServoAxis::kMaxPoints;
   for (std::size_t i = 0; i < axis.points.size(); ++i) {
     const bool is_end = i == 0 || i + 1 == axis.points.size();

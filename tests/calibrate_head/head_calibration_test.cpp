@@ -118,6 +118,15 @@ TEST(HeadCalibration, KeepsWhatNobodyCanSee) {
   EXPECT_NEAR(found->body.tilt_axis_m.y() + found->body.camera_m.y(), options.body.camera_m.y(), 2e-3);
 }
 
+TEST(HeadCalibration, FindsAHeadOfWhichBothAxesAreReversed) {
+  MadeUpHeadOptions options = usual_head();
+  options.tilt.scale = -1.1;
+  const auto found = calibrate(options);
+  ASSERT_TRUE(found);
+  EXPECT_LT((found->body.camera_m - options.body.camera_m).norm(), 4e-3);
+  EXPECT_EQ(found->left_out, 0U);
+}
+
 TEST(HeadCalibration, TakesAStopThatIsReadAsItsMirrorImage) {
   MadeUpHeadOptions options = usual_head();
   options.mirrored_every = 3;
@@ -157,6 +166,16 @@ TEST(HeadCalibration, RefusesWhenTheLandmarkWasMovedHalfWay) {
   const auto found = calibrate(options);
   ASSERT_TRUE(found);
   EXPECT_FALSE(what_head_lacks(*found).empty());
+}
+
+TEST(HeadCalibration, MakesNothingOfStopsThatHaveNothingToDoWithEachOther) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    test::Random random(seed);
+    std::vector<HeadStop> stops = made_up_stops(usual_head());
+    for (HeadStop& stop : stops) stop.told = {random.uniform(-0.4, 0.4), random.uniform(-0.3, 0.3)};
+    const auto found = calibrate_head(stops, {}, said_before(), {});
+    EXPECT_TRUE(!found || !what_head_lacks(*found).empty());
+  }
 }
 
 TEST(HeadCalibration, SaysHowFarTheAxesAreFromSquare) {

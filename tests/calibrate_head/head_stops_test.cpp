@@ -94,6 +94,13 @@ TEST(HeadStops, LeaveOutPicturesFromBeforeTheHeadHasComeToRest) {
   EXPECT_NEAR(found.stops[0].seen[0].dots[kCentreDot].ray.x(), std::tan(0.14), 1e-4);
 }
 
+TEST(HeadStops, AreNoneWhereItHardlyStood) {
+  Film film;
+  film.stand(kA, 10);  // 0.27 s: a servo may not even have begun to turn
+  film.stand(kB, 20);
+  EXPECT_EQ(find_stops(film.frames).stops.size(), 1U);
+}
+
 TEST(HeadStops, AreNoneWhereTheLandmarkMoves) {
   Film film;
   for (const HeadAngles& at : {kA, kB, kC}) film.stand(at, 25, 0.1, 0.002);
