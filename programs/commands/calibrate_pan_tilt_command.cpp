@@ -71,6 +71,9 @@ HeadCalibration calibrate(const std::vector<HeadFrame>& frames, const LandmarkGe
 
 void run_pan_tilt(const PanTiltArguments& arguments) {
   const auto [columns, rows] = read_stops(arguments.stops);
+  if (arguments.recordings.empty() && !arguments.camera.empty())
+    throw StartupError(ExitStatus::kWrongUsage,
+                       "--camera belongs to recordings: a camera that is opened has camera.calibration");
   const Config config = read_config(arguments.config);
   const TerminationSignals signals;  // before the first thread
   OutputFile out(arguments.out);     // before the work, so that a folder that is not there is told at once

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/one_line.h"
 #include "base/startup_error.h"
 #include "base/units.h"
 #include "config/head_options.h"
@@ -119,7 +120,7 @@ std::vector<AxisPoint> corrected_table(const AxisCalibration& axis, const ServoA
 }
 
 std::string head_file_text(const HeadCalibration& head, const Config& before, const std::string& source) {
-  std::string text = fmt::format("# Made by `ninedot calibrate pan-tilt` from {}.\n", source);
+  std::string text = fmt::format("# Made by `ninedot calibrate pan-tilt` from {}.\n", one_line(source));
   for (const std::string& line : head_summary(head)) text += fmt::format("# {}\n", line);
   text += "# Each angle is zero where it was before. What follows takes the place of the keys of these sections.\n" +
           body_text(head, before.body);

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "base/startup_error.h"
@@ -29,7 +30,8 @@ using namespace std::chrono_literals;
 
 /// A camera that gives no picture for so long will give none; a head that does not answer likewise.
 constexpr auto kPatience = 5s;
-constexpr auto kBetweenLooks = 200ms;
+/// Ctrl-C is heard as often, at least.
+constexpr auto kBetweenLooks = 20ms;
 
 [[noreturn]] void give_up(const std::string& what) { throw StartupError(ExitStatus::kWorkFailed, what); }
 
@@ -96,8 +98,7 @@ std::string limits_text(const PanTiltConfig& head) {
 
 class Tour {
  public:
-  Tour(const Config& config, int columns, int rows, const TerminationSignals& signals)
-      : config_(config), signals_(signals) {
+  Tour(const Config& config, int columns, int rows, const TerminationSignals& signals) : signals_(signals) {
     source_ = open_calibrated_source(config, FrameDemand::kNewest, calibration_);
     if (!source_.refusal.empty()) give_up(source_.refusal);
     const LocaliserOptions options = localiser_options(config);
@@ -132,6 +133,8 @@ class Tour {
       if (lease.error().code == Errc::kEndOfStream) give_up("the camera's pictures are over before the tour is");
       if (mono_now() - last_frame_at_ > kPatience)
         give_up(fmt::format("no picture for {} s: {}", kPatience.count(), lease.error().text));
+      // A camera that is lost says so at once.
+      if (lease.error().code != Errc::kNoFrame) std::this_thread::sleep_for(kBetweenLooks);
       return;
     }
     last_frame_at_ = mono_now();
@@ -180,7 +183,6 @@ class Tour {
     return "";
   }
 
-  const Config& config_;
   const TerminationSignals& signals_;
   CameraCalibration calibration_;
   OpenedSource source_;

@@ -203,6 +203,7 @@ TEST_F(CalibratePanTilt, RefusesWithOneLineAndLeavesNothingBehind) {
   refusal({folder_.path() + "/none"}, ExitStatus::kWrongUsage, "none");
   refusal({"--stops", "7"}, ExitStatus::kWrongUsage, "--stops 7: write COLUMNSxROWS");
   refusal({"--stops", "1x200"}, ExitStatus::kWrongUsage, "3 to 25 of each");
+  refusal({"--camera", "camera.yaml"}, ExitStatus::kWrongUsage, "--camera belongs to recordings");
 
   // A head that is only ever told one place, as without frames.csv.
   Config still = config_of(kScenario);
@@ -302,7 +303,7 @@ TEST(HeadFileText, IsEmptyWhereTheAxisTurnsBackAndSaysStepsWhereThereAreNoPulses
   EXPECT_EQ(
       config_of(visca + "[pan_tilt]\ndriver = \"visca\"\ndevice = \"/dev/ttyS0\"\n").pan_tilt.pan.calibration.size(),
       3U);
-  const std::string none = head_file_text(head, {}, "x");
+  const std::string none = head_file_text(head, {}, "a folder\nof a strange name");
   EXPECT_EQ(none.find("[pan_tilt.pan]"), std::string::npos);
   EXPECT_EQ(config_of(none).body.camera_mm[0], 0);
   head.pan = back;
