@@ -33,6 +33,14 @@ void write_corners(const fs::path& path, std::size_t dots, std::span<const Sheet
     }
 }
 
+std::string last_line_of(const fs::path& path) {
+  std::ifstream file(path);
+  std::string last;
+  for (std::string line; std::getline(file, line);)
+    if (!line.empty()) last = line;
+  return last;
+}
+
 /// Of a .cameramodel, which is a Python dictionary.
 std::vector<double> read_intrinsics(const fs::path& path) {
   std::ifstream file(path);
@@ -66,6 +74,7 @@ std::optional<CameraModel> lens_by_mrcal(const CameraModel& like, const DotGrid&
       like.width_px, like.height_px);
   std::vector<double> values;
   if (std::system(command.c_str()) == 0) values = read_intrinsics(folder / "camera-0.cameramodel");
+  if (values.empty()) fmt::print(stderr, "mrcal: {}\n", last_line_of(folder / "log"));
   fs::remove_all(folder);
   if (static_cast<int>(values.size()) != parameter_count(camera.model)) return std::nullopt;
   return with_parameters(camera, Eigen::Map<const Eigen::VectorXd>(values.data(), parameter_count(camera.model)));
