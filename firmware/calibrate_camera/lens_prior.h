@@ -22,8 +22,8 @@ class LensPrior {
 
   Eigen::Index count() const noexcept { return count_; }  ///< number of residuals
   /// \param values  as parameters_of gives them [px], [1] \param residuals  count(), in sigmas [1]
-  /// \param jacobian  residuals by values [1/px], [1]; null: not asked \return  false: D is not positive everywhere up to the
-  /// corner
+  /// \param jacobian  residuals by values [1/px], [1]; null: not asked \return  false: D is not positive everywhere up
+  /// to the corner
   bool evaluate(const Eigen::Ref<const Eigen::VectorXd>& values, Eigen::VectorXd& residuals,
                 Eigen::MatrixXd* jacobian) const;
 
