@@ -117,10 +117,11 @@ const std::array kKeys{
         "`pca9685`, `dynamixel`, `feetech-sts`, `feetech-scs`: no pulses and no force while inhibited and after the "
         "end, or hold the place",
         SLOT(when_stopped)},
-    ConfigKey{"pan_tilt", "zoom", "", -1, 1023, "",
-              "`visca`: position of the zoom, set at the start; -1 = left as it is. With other drivers: where the zoom is "
-              "locked, of a calibration that knows several positions (`ninedot calibrate zoom`)",
-              SLOT(zoom)},
+    ConfigKey{
+        "pan_tilt", "zoom", "", -1, 1023, "",
+        "`visca`: position of the zoom, set at the start; -1 = left as it is. With other drivers: where the zoom is "
+        "locked, of a calibration that knows several positions (`ninedot calibrate zoom`)",
+        SLOT(zoom)},
 };
 #undef SLOT
 
