@@ -29,7 +29,7 @@ constexpr double kMisfit_sigmas = 2, kMisfit_share = 0.035;
 /// A shift beyond it is another edge's. [px]
 constexpr double kMaxShift_px = 2.5;
 /// Colour interpolation and sharpening make up what they need beyond the picture's border: two pixels of 5 x 5. One
-/// more is smoothed_lsb's.
+/// more is grey_lsb_at's.
 constexpr int kBorder_px = 3;
 /// A grey level is rounded: 1 / sqrt(12).
 constexpr double kRounding_lsb = 0.289;
@@ -99,11 +99,12 @@ Step start_of(const Stretch& stretch) {
   return start;
 }
 
-/// Mean of 3 x 3 pixels with binomial weights, which takes out whatever has a period of two pixels. The colours of a
-/// Bayer pattern are sampled every other pixel: where they are interpolated an edge is sharp in one pixel and blurred
-/// in the next, and what is left of that in luma moves an edge that runs along the pattern by a few hundredths of a
-/// pixel. Noise costs little more: the step of an outline is twice as wide already.
-double smoothed_lsb(const ImageView& luma, int x, int y) {
+/// Of a colour sensor the mean of 3 x 3 pixels with binomial weights, which takes out whatever has a period of two
+/// pixels. The colours of a Bayer pattern are sampled every other pixel: where they are interpolated an edge is sharp
+/// in one pixel and blurred in the next, and what is left of that in luma moves an edge that runs along the pattern by
+/// a few hundredths of a pixel. Others are left as they are: a wider step errs more where an outline bends.
+double grey_lsb_at(const ImageView& luma, SensorKind sensor, int x, int y) {
+  if (sensor == SensorKind::kGrey) return luma.at(x, y);
   const auto across = [&](int row) { return luma.at(x - 1, row) + 2 * luma.at(x, row) + luma.at(x + 1, row); };
   return (across(y - 1) + 2 * across(y) + across(y + 1)) / 16.0;
 }
@@ -127,7 +128,7 @@ bool collect_pixels(const PictureCrop& picture, double half_length_px, double ba
       const double distance_px = from_centre.norm() - radius_px;
       const double turn = std::atan2(along.dot(from_centre), stretch.normal.dot(from_centre));
       if (std::abs(distance_px) > band_px || std::abs(turn) * radius_px > half_length_px) continue;
-      stretch.pixels.push_back({distance_px, smoothed_lsb(luma, x, y)});
+      stretch.pixels.push_back({distance_px, grey_lsb_at(luma, picture.sensor, x, y)});
     }
   return true;
 }

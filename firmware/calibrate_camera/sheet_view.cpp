@@ -22,7 +22,8 @@ std::vector<PlaneDisc> discs_of(const LandmarkGeometry& landmark) {
   return discs;
 }
 
-SheetView keep_view(const ImageView& luma, std::vector<SeenDisc> seen, std::span<const PlaneDisc> discs) {
+SheetView keep_view(const ImageView& luma, SensorKind sensor, std::vector<SeenDisc> seen,
+                    std::span<const PlaneDisc> discs) {
   SheetView view;
   view.seen = std::move(seen);
   view.noise = PictureNoise(luma);
@@ -38,6 +39,7 @@ SheetView keep_view(const ImageView& luma, std::vector<SeenDisc> seen, std::span
     high = high.cwiseMax((centre_px.array() + reach_px).matrix());
   }
   PictureCrop& crop = view.picture;
+  crop.sensor = sensor;
   const auto inside = [](double px, int end) {
     return static_cast<int>(std::clamp(px, 0.0, static_cast<double>(end)));
   };

@@ -26,11 +26,18 @@ struct EdgePoint {
   double sigma_px = 0;  ///< 1-sigma across the outline, from the picture's noise
 };
 
+/// What took a picture.
+enum class SensorKind : std::uint8_t {
+  kGrey,
+  kColour,  ///< behind a mosaic of red, green and blue, which somebody interpolated: see edge_points.cpp
+};
+
 /// A part of a picture, with its own pixels.
 struct PictureCrop {
   std::vector<std::uint8_t> pixels;
   int left_px = 0, top_px = 0;  ///< of its first pixel in the whole picture
   int width_px = 0, height_px = 0;
+  SensorKind sensor = SensorKind::kGrey;
   /// Valid while the crop lives and is not assigned to.
   ImageView view() const noexcept { return {pixels.data(), width_px, height_px, width_px}; }
 };
@@ -49,7 +56,8 @@ std::vector<PlaneDisc> discs_of(const LandmarkGeometry& landmark);
 
 /// Keeps of a picture what its sheet covers. \param seen  at least four, else the view has no picture
 /// Memory: allocates. Threads: pure.
-SheetView keep_view(const ImageView& luma, std::vector<SeenDisc> seen, std::span<const PlaneDisc> discs);
+SheetView keep_view(const ImageView& luma, SensorKind sensor, std::vector<SeenDisc> seen,
+                    std::span<const PlaneDisc> discs);
 
 /// Mean distance between where two views show the discs that both do; infinite where fewer than four are in both. [px]
 double distance_px(const SheetView& a, const SheetView& b);

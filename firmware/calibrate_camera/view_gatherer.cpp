@@ -34,7 +34,7 @@ double moved_px(std::span<const SeenDisc> before, std::span<const SeenDisc> now)
 ViewGatherer::ViewGatherer(int width_px, std::span<const PlaneDisc> discs)
     : still_px_(kStill_widths * width_px), discs_(discs), views_(width_px) {}
 
-Looked ViewGatherer::look(SheetFinder& finder, const ImageView& luma) {
+Looked ViewGatherer::look(SheetFinder& finder, const ImageView& luma, SensorKind sensor) {
   SheetView view;
   view.seen = finder.find(luma);
   still_ = moved_px(newest_, view.seen) <= still_px_ ? still_ + 1 : 0;
@@ -43,7 +43,7 @@ Looked ViewGatherer::look(SheetFinder& finder, const ImageView& luma) {
   ++found_;
   if (still_ < kStillPictures) return Looked::kMoving;
   if (!views_.is_new(view)) return Looked::kSeenBefore;
-  view = keep_view(luma, std::move(view.seen), discs_);
+  view = keep_view(luma, sensor, std::move(view.seen), discs_);
   const MeasuredOutlines outlines = measure_edges(view, expected_by_homography(view, discs_), discs_);
   if (outlines.edges.size() < kLeastEdges || outlines.blur_px > kSharp_px) return Looked::kBlurred;
   view.frame = found_;

@@ -25,7 +25,7 @@ class ViewGatherer {
   ViewGatherer(int width_px, std::span<const PlaneDisc> discs);
 
   /// \param luma  the next picture of the camera, some may be left out in between
-  Looked look(SheetFinder& finder, const ImageView& luma);
+  Looked look(SheetFinder& finder, const ImageView& luma, SensorKind sensor);
 
   const std::vector<SheetView>& views() const noexcept { return views_.views(); }
   /// Number of pictures in which the sheet was found.

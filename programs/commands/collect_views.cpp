@@ -53,7 +53,7 @@ CollectedViews collect_views(const CalibrationPictures& pictures, SheetFinder& f
       ++count, ++collected.pictures;
       std::vector<SeenDisc> seen = finder.find(lease->frame.luma);
       if (seen.empty()) continue;
-      SheetView view = keep_view(lease->frame.luma, std::move(seen), discs);
+      SheetView view = keep_view(lease->frame.luma, sensor_of(lease->frame), std::move(seen), discs);
       view.recording = i, view.frame = lease->frame.number;
       collected.views.add(std::move(view));
     }

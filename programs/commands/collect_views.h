@@ -9,8 +9,14 @@
 #include "calibrate_camera/sheet_finder.h"
 #include "calibrate_camera/view_collection.h"
 #include "drivers/picture/picture_file.h"
+#include "image/frame.h"
 
 namespace ninedot {
+
+/// A picture with colour is of a colour sensor.
+inline SensorKind sensor_of(const Frame& frame) {
+  return frame.chroma.empty() ? SensorKind::kGrey : SensorKind::kColour;
+}
 
 /// All recordings' pictures, which have one size.
 struct CalibrationPictures {

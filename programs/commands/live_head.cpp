@@ -60,7 +60,7 @@ Config without_following(Config config) {
 class MovedHead {
  public:
   MovedHead(const Config& config, const CameraModel& camera, const std::shared_ptr<HeadLine>& line)
-      : head_(open_head(without_following(config), camera, line)),
+      : head_(open_head(without_following(config), camera, line, false)),
         priority_(std::max(0, config.service.realtime_priority - 1), "head") {
     thread_.emplace(reports_, *head_.output, priority_, HeadOutput::kPeriod);
   }

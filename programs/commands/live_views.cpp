@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/startup_error.h"
+#include "programs/commands/collect_views.h"
 #include "programs/commands/source_failure.h"
 
 namespace ninedot {
@@ -91,7 +92,7 @@ void LiveViews::want_more(std::vector<std::string> lens_lacks, std::span<const U
 
 void LiveViews::look_at(FrameLease& lease) {
   ++pictures_;
-  const Looked looked = gatherer_.look(*finder_, lease.frame.luma);
+  const Looked looked = gatherer_.look(*finder_, lease.frame.luma, sensor_of(lease.frame));
   if (looked == Looked::kTaken) {
     keep(lease);
     learn_lens();
@@ -101,7 +102,6 @@ void LiveViews::look_at(FrameLease& lease) {
 
 void LiveViews::keep(FrameLease& lease) {
   if (!writer_) return;
-  lease.frame.chroma = {};   // a lens needs no colour
   lease.dropped_before = 0;  // views are chosen: what lies between them is no loss
   if (const Result<std::uint64_t> number = writer_->add(lease); !number)
     throw StartupError(ExitStatus::kWorkFailed,

@@ -84,7 +84,7 @@ std::vector<SheetView> views_of(const CameraModel& truth, const CalibrationTarge
     const auto begun = Clock::now();
     std::vector<SeenDisc> seen = finder->find(picture.view());
     if (!seen.empty()) {
-      views.push_back(keep_view(picture.view(), std::move(seen), target.discs));
+      views.push_back(keep_view(picture.view(), SensorKind::kGrey, std::move(seen), target.discs));
       views.back().frame = index;
     }
     search_s += std::chrono::duration<double>(Clock::now() - begun).count();

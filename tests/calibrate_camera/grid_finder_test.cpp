@@ -102,7 +102,7 @@ TEST(GridFinder, ServesACalibration) {
     const test::Picture picture =
         test::held_picture(barrel(), test::held_pose(barrel(), holding, 5, i), test::dot_grid_sheet(kGrid), i);
     if (std::vector<SeenDisc> seen = finder.find(picture.view()); !seen.empty())
-      views.push_back(keep_view(picture.view(), std::move(seen), discs));
+      views.push_back(keep_view(picture.view(), SensorKind::kGrey, std::move(seen), discs));
   }
   ASSERT_GE(views.size(), 10U);
   LensCalibrationOptions options;

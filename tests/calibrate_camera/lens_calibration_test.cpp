@@ -41,7 +41,7 @@ std::vector<SheetView> views_from(const CameraModel& camera, std::size_t count, 
     const test::Picture picture =
         test::held_picture(camera, pose(i), test::nine_dot_sheet(), test::random_bits(seed, i));
     if (std::vector<SeenDisc> seen = finder.find(picture.view()); !seen.empty())
-      views.push_back(keep_view(picture.view(), std::move(seen), kDiscs));
+      views.push_back(keep_view(picture.view(), SensorKind::kGrey, std::move(seen), kDiscs));
   }
   return views;
 }

@@ -48,7 +48,7 @@ test::Picture blurred(const test::Picture& sharp, int reach_px) {
 
 class Gathering : public testing::Test {
  protected:
-  Looked look(const test::Picture& picture) { return gatherer_.look(finder_, picture.view()); }
+  Looked look(const test::Picture& picture) { return gatherer_.look(finder_, picture.view(), SensorKind::kGrey); }
 
   LandmarkFinder finder_{usual_camera(640, 480), LandmarkGeometry{}};
   ViewGatherer gatherer_{640, kDiscs};
