@@ -19,6 +19,8 @@ using namespace std::chrono_literals;
 /// Heads that tell where they are say one step more or less now and then: the coarsest one's is 0.114 deg
 /// (aim/arrival.h).
 constexpr double kSameAngle_rad = 0.15 * kRadPerDeg;
+/// Where a stop's last pictures differ by more from its first ones, the head is on its way to the next.
+constexpr double kLeaving_rad = 0.02 * kRadPerDeg;
 /// A servo is this late at most where nobody told of it (docs/pan-tilt.md: 100 ms of a VISCA camera), and swings out.
 constexpr auto kSettle = 300ms;
 /// With fewer nobody can tell which of them is off.
@@ -28,8 +30,8 @@ constexpr double kSteady = 1e-3;
 /// Of a picture's variance, what it shares with the next one: `common_share` of [track].
 constexpr double kCommonShare = 0.5;
 
-bool is_same(const HeadAngles& a, const HeadAngles& b) {
-  return std::abs(a.pan_rad - b.pan_rad) < kSameAngle_rad && std::abs(a.tilt_rad - b.tilt_rad) < kSameAngle_rad;
+bool is_same(const HeadAngles& a, const HeadAngles& b, double to_rad) {
+  return std::abs(a.pan_rad - b.pan_rad) < to_rad && std::abs(a.tilt_rad - b.tilt_rad) < to_rad;
 }
 
 double median(std::vector<double> values) {
@@ -112,7 +114,7 @@ class StopFinder {
 
   void take(const HeadFrame& frame) {
     const bool begins = run_.empty() || run_.front()->recording != frame.recording;
-    if (begins || !is_same(run_.front()->told, frame.told)) finish();
+    if (begins || !is_same(run_.front()->told, frame.told, kSameAngle_rad)) finish();
     if (begins) pan_.begin(frame.told.pan_rad), tilt_.begin(frame.told.tilt_rad);
     pan_.follow(frame.told.pan_rad), tilt_.follow(frame.told.tilt_rad);
     run_.push_back(&frame);
@@ -123,6 +125,7 @@ class StopFinder {
     for (const HeadFrame* frame : run_)
       if (frame->exposed_at - run_.front()->exposed_at >= kSettle) settled.push_back(frame);
     run_.clear();
+    while (!settled.empty() && !is_same(settled.front()->told, settled.back()->told, kLeaving_rad)) settled.pop_back();
     if (settled.size() < kLeastPictures) return;
     HeadStop stop{settled.front()->recording, {}, pan_.side(), tilt_.side(), {}};
     std::map<std::uint16_t, std::vector<const LandmarkSighting*>> by_id;

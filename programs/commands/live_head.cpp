@@ -31,7 +31,7 @@ using namespace std::chrono_literals;
 /// A camera that gives no picture for so long will give none; a head that does not answer likewise.
 constexpr auto kPatience = 5s;
 /// Ctrl-C is heard as often, at least.
-constexpr auto kBetweenLooks = 20ms;
+constexpr auto kBetweenLooks = 100ms;
 
 [[noreturn]] void give_up(const std::string& what) { throw StartupError(ExitStatus::kWorkFailed, what); }
 

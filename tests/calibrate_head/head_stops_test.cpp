@@ -68,6 +68,19 @@ TEST(HeadStops, AreWhereTheToldAnglesStayAndWithTheSidesTheyCameFrom) {
   EXPECT_NEAR(found.told_max.pan_rad, 0.2, 1e-12);
 }
 
+/// Three pictures that show where it stands, and two of its first step away, which is not told to be another angle yet.
+TEST(HeadStops, EndWhereTheHeadSetsOff) {
+  Film film;
+  film.stand(kA, 13);
+  film.stand({kA.pan_rad + 0.04 * kRadPerDeg, 0}, 2, 0.1 + 0.0025);
+  film.turn(kA, kB);
+  film.stand(kB, 20);
+  const FoundStops found = find_stops(film.frames);
+  EXPECT_EQ(found.unsteady, 0U);
+  ASSERT_EQ(found.stops.size(), 2U);
+  EXPECT_EQ(found.stops[0].told.pan_rad, kA.pan_rad);
+}
+
 TEST(HeadStops, AverageTheirPicturesAndSayWhatThatIsWorth) {
   Film film;
   film.stand(kA, 60);
