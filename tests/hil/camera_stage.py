@@ -1,24 +1,29 @@
 """Recorded frames into vivid's output node, out of its capture node, through ninedotd: the poses are those of the replay."""
 
+import re
 import time
 
 from media import PIXEL_FORMATS, SCENE_OF_FORMATS
+from mosaic import BAYER_FORMATS, camera_keys, expected_luma, furthest_off, samples_of
+from png_grey import parse_png_grey, read_png_grey
 from registers import REASONS_WITHOUT_ROW, DifferenceFromRow
 from service import GuestService, camera_config, checksums, csv_rows, nearest_row, replay
 from tracing import Trace, frames_of
 from vivid import Vivid
 
-CHECKS = SMOKE_CHECKS = (
+SMOKE_CHECKS = (
     "cameras",
     "check",
     "pictures",
     "formats",
+    "mosaics",
     "replay-of-capture",
     "stills",
     "free-running",
     "stamps",
     "ends",
 )
+CHECKS = SMOKE_CHECKS + ("calibrate-live", "calibrate-busy")
 
 FRAMES_IN_FLIGHT = 6  # more than the driver's buffers: a frame processed so much later is of the new picture
 RECORDED = 60
@@ -27,6 +32,9 @@ ARRIVES_NS = 10_000_000  # from the driver giving a buffer away until the produc
 FREE_RUNNING_S = 8.0
 JUDGED = 6  # of the pictures of each format
 SMOKE_FORMATS = ("YUYV", "NV12")
+SMOKE_MOSAICS = ("BGGR10",)
+MOSAIC_ROWS = (0, 1, 2, 121, 240, 333, 478, 479)  # both kinds of row, and the borders
+ROUNDING = 1.0  # [LSB]: to whole numbers, twice
 SMOKE_STEP = 4  # of the stills
 ROW_OF_ITS_OWN = ("frame", "timestamp_ns", "process_us")
 
@@ -35,8 +43,8 @@ def same_pose(row, other):
     return all(row[name] == other[name] for name in row if name not in ROW_OF_ITS_OWN)
 
 
-def record(guest, out, frames, pixel_format):
-    guest.write("/tmp/record.toml", camera_config(pixel_format=pixel_format))
+def record(guest, out, frames, pixel_format, camera=""):
+    guest.write("/tmp/record.toml", camera_config(pixel_format=pixel_format, camera=camera))
     return guest.check(f"rm -rf {out}; ninedot record --grey --config /tmp/record.toml --out {out} --frames {frames}", 120)
 
 
@@ -106,6 +114,55 @@ class CameraStage:
         self.vivid.stop()
         self.vivid.set_up()
 
+    def mosaics(self):
+        """A colour sensor's own numbers: the luma is the one that docs/cameras.md promises."""
+        width, height, scene = read_png_grey(self.stage.out / "media" / "scenes" / "frames" / f"{SCENE_OF_FORMATS:06}.png")
+        table, good = [], True
+        names = SMOKE_MOSAICS if self.stage.smoke else tuple(BAYER_FORMATS)
+        for name in names:
+            self.vivid.stop()
+            self.vivid.set_up(BAYER_FORMATS[name][0])
+            self.vivid.play(f"/media/formats/{name}.raw")
+            record(self.guest, "/tmp/mosaic", 2 * JUDGED, name, camera_keys(name))
+            last = self.guest.check("ls /tmp/mosaic/frames").split()[-1]
+            *_, luma = parse_png_grey(self.guest.fetch(f"/tmp/mosaic/frames/{last}"))
+            off = furthest_off(expected_luma(name, width, height, samples_of(name, width, scene), MOSAIC_ROWS), width, luma)
+            good &= off <= ROUNDING
+            table.append((name, f"{off:.2f} LSB at most"))
+        self.stage.table("Colour sensors without an image processor", ("format", "luma off by"), table)
+        self.stage.ok("mosaics", good, "; ".join(f"{name}: {text}" for name, text in table))
+        self.vivid.stop()
+        self.vivid.set_up()
+
+    def calibrate_live(self):
+        """As somebody who shows the sheet and soon gives up: what was seen is kept."""
+        self.vivid.play("/tmp/scenes.raw")
+        self.guest.write("/tmp/lens.toml", camera_config())
+        status, text = self.guest.run(
+            """rm -rf /tmp/lens; mkdir /tmp/lens
+            ninedot calibrate camera --config /tmp/lens.toml --out /tmp/lens/camera.yaml & working=$!
+            for _ in $(seq 600); do [ "$(ls /tmp/lens/camera-views/frames 2> /dev/null | wc -l)" -ge 3 ] && break; sleep 0.1; done
+            kill -TERM $working; wait $working""",
+            120,
+        )
+        kept = self.guest.check("ls /tmp/lens /tmp/lens/camera-views/frames").split()
+        views = sum(name.endswith((".ppm", ".png", ".pgm")) for name in kept)
+        said = text.splitlines()[-1] if text else ""
+        self.stage.ok(
+            "calibrate-live",
+            status == 1 and views >= 3 and "camera.yaml" not in kept and "kept in /tmp/lens/camera-views" in said,
+            f"{views} views, status {status}: {said}",
+        )
+
+    def calibrate_busy(self):
+        """While the service has the camera."""
+        status, text = self.guest.run("ninedot calibrate camera --config /tmp/lens.toml --out /tmp/busy.yaml")
+        self.stage.ok(
+            "calibrate-busy",
+            status == 2 and re.fullmatch(r"ninedot: /dev/video0: busy: .*systemctl stop ninedotd.*", text) is not None,
+            f"status {status}: {text}",
+        )
+
     def stills(self, service):
         """Each scene held until the service shows it: the registers must be those of its row."""
         wrong, shown = [], 0
@@ -174,9 +231,14 @@ def run(stage):
         test.listing()
         test.pictures()
         test.formats()
+        test.mosaics()
+        if not stage.smoke:
+            test.calibrate_live()
         test.vivid.play("/tmp/scenes.raw")
         service = GuestService(guest, camera_config())
         with service:
+            if not stage.smoke:
+                test.calibrate_busy()
             test.stills(service)
             test.free_running(service)
         stage.ok("ends", service.exit_status == "0", f"exit status {service.exit_status} on SIGINT")

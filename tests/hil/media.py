@@ -4,6 +4,7 @@ import pathlib
 import shutil
 import subprocess
 
+from mosaic import BAYER_FORMATS, as_bytes, samples_of
 from png_grey import read_png_grey
 
 # All of one camera; the negatives show no landmark, and the service has to say so.
@@ -57,7 +58,7 @@ def make_media(recordings, folder):
     format; FOLDER/jpeg/N.jpg: all of them as JPEG. Made once; a newer source makes it anew."""
     pictures = source_pictures(recordings)
     stamp = folder / "complete"
-    sources = [picture for _, picture in pictures] + [pathlib.Path(__file__)]
+    sources = [picture for _, picture in pictures] + [pathlib.Path(__file__), pathlib.Path(__file__).with_name("mosaic.py")]
     if stamp.exists() and stamp.stat().st_mtime > max(source.stat().st_mtime for source in sources):
         return
     shutil.rmtree(folder, ignore_errors=True)
@@ -74,5 +75,7 @@ def make_media(recordings, folder):
         if number == SCENE_OF_FORMATS:
             for name, written in PIXEL_FORMATS.items():
                 (folder / "formats" / f"{name}.raw").write_bytes(written(luma))
+            for name in BAYER_FORMATS:
+                (folder / "formats" / f"{name}.raw").write_bytes(as_bytes(name, samples_of(name, width, luma)))
     (folder / "scenes" / "frames.csv").write_text("".join(rows))
     stamp.touch()

@@ -6,7 +6,11 @@ import zlib
 
 def read_png_grey(path):
     """\\return  (width, height, bytes in rows from the top)"""
-    data = path.read_bytes()
+    return parse_png_grey(path.read_bytes(), path)
+
+
+def parse_png_grey(data, path="picture"):
+    """\return  as read_png_grey"""
     if data[:8] != b"\x89PNG\r\n\x1a\n":
         raise ValueError(f"{path}: no PNG file")
     header, packed, position = None, b"", 8

@@ -33,7 +33,7 @@ def checksums(guest, folder):
     return {int(name.split(".")[0]): digest for digest, name in (line.split() for line in lines)}
 
 
-def camera_config(*, pixel_format="GREY", tracking=False, stall_frames=60, rate_hz=59.94, extra=""):
+def camera_config(*, pixel_format="GREY", tracking=False, stall_frames=60, rate_hz=59.94, camera="", extra=""):
     """Without tracking a frame's pose depends on that frame alone, so that a live service and a replay agree exactly."""
     return f"""[camera]
 source = "v4l2"
@@ -42,6 +42,7 @@ rate_hz = {rate_hz}
 pixel_format = "{pixel_format}"
 stall_frames = {stall_frames}
 calibration = "/media/scenes/camera.yaml"
+{camera}
 [pose]
 tracking = {str(tracking).lower()}
 [modbus.tcp]
