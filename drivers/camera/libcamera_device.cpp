@@ -272,12 +272,12 @@ class LibcameraDevice::Session {
     const std::optional<shim::FocusRange> range = shim::focus_range(known);
     if (request_.focus == Focus::kUnchanged && !can_focus) return;
     if (request_.focus != Focus::kFixed && can_focus && request_.is_calibrated)
-      refuse(fmt::format("its lens may focus by itself, and a calibration holds for one focus only: set camera.focus = "
-                         "\"fixed\"{}",
-                         range ? fmt::format(" and camera.focus_position, from {:g} to {:g} (1/m), as it was when the "
-                                             "camera was calibrated",
-                                             range->least_per_m, range->most_per_m)
-                               : ""),
+      refuse(fmt::format(
+                 "its lens may focus by itself, and a calibration holds for one focus only: set camera.focus = "
+                 "\"fixed\"{}",
+                 range ? fmt::format(" and camera.focus_position, from {:g} to {:g} (1/m), that of the calibration",
+                                     range->least_per_m, range->most_per_m)
+                       : ""),
              0);
     if (request_.focus == Focus::kUnchanged) return;
     if (!can_focus && (!range || request_.focus == Focus::kAutomatic))

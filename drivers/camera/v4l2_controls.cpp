@@ -149,11 +149,11 @@ void set_focus(const Controls& controls, const CameraRequest& request, AppliedCo
   const bool is_on = request.focus == Focus::kAutomatic || controls.read(automatic->id).value_or(1) != 0;
   if (is_on && request.is_calibrated) {
     const auto position = controls.find(V4L2_CID_FOCUS_ABSOLUTE);
-    controls.refuse(fmt::format(
-        "autofocus is on, and a calibration holds for one focus only: set camera.focus = \"fixed\"{}",
-        position ? fmt::format(" and camera.focus_position, from {} to {}, as it was when the camera was calibrated",
-                               position->minimum, position->maximum)
-                 : ""));
+    controls.refuse(
+        fmt::format("autofocus is on, and a calibration holds for one focus only: set camera.focus = \"fixed\"{}",
+                    position ? fmt::format(" and camera.focus_position, from {} to {}, that of the calibration",
+                                           position->minimum, position->maximum)
+                             : ""));
   }
   if (request.focus == Focus::kAutomatic) controls.write(*automatic, 1, "automatic focus");
   if (is_on) add(applied.description, "focus automatic");

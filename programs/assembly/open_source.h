@@ -52,8 +52,8 @@ CameraModel simulated_camera_model(const CameraConfig& config);
 /// Throws StartupError: kWrongUsage when `device` is missing or a simulation cannot be, kWorkFailed when it can't be
 /// opened. A camera that can't be opened is CameraRefused, unless `demand` is kNewest: then frames come once
 /// it is there. Frames of another size than width_px x height_px fail with kFrameSize.
-/// \param calibration  of the camera: another camera than the one that it names is refused, and a lens that focuses by
-/// itself; null: there is none
+/// \param calibration  of the camera, or one that is to be made: another camera than the one that it names is refused,
+/// and a lens that focuses by itself; null: there is none
 OpenedSource open_source(const Config& config, FrameDemand demand, const CalibrationRecord* calibration);
 
 /// The source with its calibration, which must be there. A recording that is missing is told of before its calibration

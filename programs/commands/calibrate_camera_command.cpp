@@ -46,8 +46,9 @@ void check_arguments(const CalibrateCameraArguments& arguments) {
 
 /// A camera has one user, and here that is the service most often.
 OpenedSource open_camera(const Config& config) {
+  const CalibrationRecord calibration_to_be;  // for one focus of the lens, as any
   try {
-    return open_source(config, FrameDemand::kEveryFrame, nullptr);
+    return open_source(config, FrameDemand::kEveryFrame, &calibration_to_be);
   } catch (const CameraRefused& refusal) {
     if (refusal.os_errno != EBUSY) throw;
     throw StartupError(refusal.status, fmt::format("{}; if the service has it: `systemctl stop ninedotd`, or record "

@@ -520,7 +520,7 @@ TEST(V4l2Device, WithACalibrationRefusesALensThatFocusesByItself) {
   };
   const std::string on =
       "autofocus is on, and a calibration holds for one focus only: set camera.focus = \"fixed\" and "
-      "camera.focus_position, from 0 to 250, as it was when the camera was calibrated";
+      "camera.focus_position, from 0 to 250, that of the calibration";
   EXPECT_EQ(refusal(Focus::kUnchanged, -1, true, 1), on);
   EXPECT_EQ(refusal(Focus::kAutomatic, -1, true, 0), on);
   EXPECT_EQ(refusal(Focus::kUnchanged, -1, true, 0), "no refusal");
