@@ -39,7 +39,8 @@ endif()
 # includes what it needs, the other trees and clang-tidy tell.
 if(NINEDOT_SANITIZE OR NINEDOT_SHARE_HEADERS)
   # Of a string that it read so, GCC 12 takes the buffer's first byte for one past its end.
-  target_compile_options(ninedot_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>)
+  target_compile_options(ninedot_options INTERFACE
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds;-Wno-restrict;-Wno-stringop-overflow;-Wno-stringop-overread>)
   find_package(GTest REQUIRED)
   set(headers <Eigen/Dense> <algorithm> <chrono> <filesystem> <functional> <memory> <opencv2/core.hpp> <opencv2/imgproc.hpp>
     <optional> <ranges> <string> <vector>)
