@@ -13,22 +13,19 @@ namespace ninedot {
 namespace {
 
 constexpr std::size_t kFolds = 4;
-/// What another model's loss must be lower by to be worth its parameters: at 10 % of the loss residuals are 5 %
-/// smaller.
+/// What another model's loss must be lower by to be worth its parameters, as a logarithm: at 10 % of the loss residuals
+/// are 5 % smaller.
 constexpr double kWorth = 0.1, kStandardErrors = 2;
 /// No more outlines than so many are looked at in all: the difference between two models needs no more.
 constexpr std::size_t kMostEdges = 12000;
+/// Along the radius, where one model's bending is put into another one's words.
+constexpr int kSamples = 64;
 
 /// Loss in each view while it was not fitted, and what its outlines were off.
 struct HeldOut {
   std::vector<double> losses;
   double squares_px2 = 0, outlines = 0;
   double rms_px() const { return std::sqrt(squares_px2 / std::max(1.0, outlines)); }
-  double mean() const {
-    double sum = 0;
-    for (const double loss : losses) sum += loss;
-    return sum / static_cast<double>(losses.size());
-  }
 };
 
 std::vector<SheetView> thinned(std::span<const SheetView> views) {
@@ -44,34 +41,63 @@ std::vector<SheetView> thinned(std::span<const SheetView> views) {
   return result;
 }
 
+/// How far from the middle the lens puts what is seen at `r` from its axis. [1]
+double bent(const CameraModel& radial, double r) { return radial.distort({r, 0}).x(); }
+
+/// Polynomials of the lens's bending: in powers of the radius, or of the angle for a fisheye.
+Eigen::VectorXd polynomial_of(const CameraModel& radial, double reach, bool of_angle) {
+  const int count = of_angle ? 4 : 3;
+  Eigen::MatrixXd terms(kSamples, count);
+  Eigen::VectorXd rest(kSamples);
+  for (int i = 0; i < kSamples; ++i) {
+    const double r = reach * (i + 1) / kSamples, x = of_angle ? std::atan(r) : r;
+    rest(i) = bent(radial, r) - x;
+    for (int term = 0; term < count; ++term) terms(i, term) = std::pow(x, 2 * term + 3);
+  }
+  return terms.colPivHouseholderQr().solve(rest);
+}
+
+/// r N(r^2) - d D(r^2) = 0 is linear in both. A fisheye's bending is far from any polynomial's: from one the adjustment
+/// does not find the way to the denominator that it needs.
+/// \return  of N, then of D
+Eigen::VectorXd quotient_of(const CameraModel& radial, double reach) {
+  constexpr double kSmallest = 1e-3;  // of all quotients that do, one of small coefficients
+  Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(kSamples + 6, 6);
+  Eigen::VectorXd rest = Eigen::VectorXd::Zero(kSamples + 6);
+  for (int i = 0; i < kSamples; ++i) {
+    const double r = reach * (i + 1) / kSamples, d = bent(radial, r);
+    rest(i) = d - r;
+    for (int term = 0; term < 3; ++term) {
+      const double power = std::pow(r, 2 * term + 2);
+      terms(i, term) = r * power, terms(i, term + 3) = -d * power;
+    }
+  }
+  terms.bottomRows<6>().diagonal().setConstant(kSmallest);
+  return terms.colPivHouseholderQr().solve(rest);
+}
+
 /// The same lens in another model's words, near enough to start from: coefficients by least squares along the radius.
 LensFit in_model(LensFit fit, DistortionModel model) {
   if (fit.camera.model == model) return fit;
-  constexpr int kSamples = 64;
   CameraModel radial = fit.camera;
-  const bool is_polynomial = model != DistortionModel::kEquidistant;
   const bool was_polynomial = radial.model != DistortionModel::kEquidistant;
   if (was_polynomial) radial.k[2] = radial.k[3] = 0;
   const Result<Eigen::Vector2d> corner = radial.normalised_from_pixel({0, 0});
   const double reach = corner ? corner->norm() : corner_radius(radial);
-  const int count = is_polynomial ? 3 : 4;
-  Eigen::MatrixXd terms(kSamples, count);
-  Eigen::VectorXd rest(kSamples);
-  for (int i = 0; i < kSamples; ++i) {
-    const double r = reach * (i + 1) / kSamples, x = is_polynomial ? r : std::atan(r);
-    rest(i) = radial.distort({r, 0}).x() - x;
-    for (int term = 0; term < count; ++term) terms(i, term) = std::pow(x, 2 * term + 3);
+  std::array<double, 8> k{};
+  if (model == DistortionModel::kEquidistant) {
+    const Eigen::VectorXd of_angle = polynomial_of(radial, reach, true);
+    std::copy_n(of_angle.data(), 4, k.data());
+  } else if (was_polynomial || model == DistortionModel::kPlumbBob) {
+    const Eigen::VectorXd of_radius = polynomial_of(radial, reach, false);
+    k = {of_radius(0), of_radius(1), 0, 0, of_radius(2)};
+  } else {
+    const Eigen::VectorXd quotient = quotient_of(radial, reach);
+    k = {quotient(0), quotient(1), 0, 0, quotient(2), quotient(3), quotient(4), quotient(5)};
   }
-  const Eigen::VectorXd k = terms.colPivHouseholderQr().solve(rest);
-  const std::array<double, 8> before = fit.camera.k;
+  if (was_polynomial && model != DistortionModel::kEquidistant) k[2] = fit.camera.k[2], k[3] = fit.camera.k[3];
   fit.camera.model = model;
-  fit.camera.k = {};
-  if (!is_polynomial) {
-    for (int i = 0; i < count; ++i) fit.camera.k[static_cast<std::size_t>(i)] = k(i);
-    return fit;
-  }
-  fit.camera.k[0] = k(0), fit.camera.k[1] = k(1), fit.camera.k[4] = k(2);
-  if (was_polynomial) fit.camera.k[2] = before[2], fit.camera.k[3] = before[3];
+  fit.camera.k = k;
   return fit;
 }
 
@@ -105,16 +131,17 @@ std::optional<HeldOut> hold_out(std::span<const PlaneDisc> discs, std::span<cons
   return held_out;
 }
 
-/// Whether `other` foretells better, beyond chance and by enough.
+/// Whether `other` foretells better, beyond chance and by enough. View by view, by the ratio of the losses: a view that
+/// one of them misses by far says no more than that, and would else be all of the mean and of its error.
 bool is_better(const HeldOut& other, const HeldOut& now) {
   const auto count = static_cast<double>(now.losses.size());
   double sum = 0, squares = 0;
   for (std::size_t i = 0; i < now.losses.size(); ++i) {
-    const double gain = now.losses[i] - other.losses[i];
+    const double gain = std::log((now.losses[i] + 1) / (other.losses[i] + 1));  // + 1: where neither is off
     sum += gain, squares += gain * gain;
   }
   const double mean = sum / count, variance = std::max(0.0, squares / count - mean * mean);
-  return mean > kStandardErrors * std::sqrt(variance / count) && mean > kWorth * now.mean();
+  return mean > kStandardErrors * std::sqrt(variance / count) && mean > kWorth;
 }
 
 }  // namespace
