@@ -3,6 +3,9 @@
 
     tests/lint.py format                 all tracked sources, against .clang-format
     tests/lint.py tidy BUILD_FOLDER      the product's translation units, as BUILD_FOLDER/compile_commands.json compiles them, against .clang-tidy
+          --since COMMIT                 those alone that changed since then or include a header that did; all, where git does not know
+                                         COMMIT or .clang-tidy changed
+          --all                          also what is on the list of what is still to do
     tests/lint.py --self-test            proves on made-up sources that findings are findings
 
 Both ask version 14 (Debian 12) and leave the check out, saying so, where another one is installed: each version formats and finds differently.
@@ -81,6 +84,23 @@ def product_units(root, build):
     return sorted(units, key=lambda unit: (-os.path.getsize(os.path.join(root, unit)), unit))
 
 
+def changed_since(commit, root):
+    """Paths below root, or None where that can't be said."""
+    asked = subprocess.run(["git", "diff", "--name-only", "--relative", "-z", commit], cwd=root, capture_output=True, text=True, check=False)
+    names = set(asked.stdout.split("\0")) - {""}
+    return None if asked.returncode != 0 or ".clang-tidy" in names else names
+
+
+def touched_units(units, changed, root):
+    """Those that changed, or that include a header that did."""
+    def included(unit):
+        with open(os.path.join(root, unit), encoding="utf-8") as file:
+            return re.findall(r'^#include "([^"]+)"', file.read(), re.MULTILINE)
+
+    headers = {path.removeprefix("firmware/") for path in changed if path.endswith((".h", ".hpp", ".inc"))}
+    return [unit for unit in units if unit in changed or headers.intersection(included(unit))]
+
+
 # A tree may read the largest headers once, for all of its files: here each is to include what it needs.
 HEADERS_OF_ALL = re.compile(r"\s-include\s+\S*cmake_pch\.hxx(?=\s)")
 
@@ -108,13 +128,13 @@ def findings_of(unit, root, build):
     return found, "" if found or done.returncode == 0 else f"{unit}: clang-tidy failed\n{done.stdout}{done.stderr}"
 
 
-def verdict(found, not_yet, root):
+def verdict(found, not_yet, root, looked_at_all=True):
     """(what is wrong, how many findings do not count yet)"""
     wrong = []
     for entry in not_yet:
         if not os.path.exists(os.path.join(root, entry)):
             wrong.append(f"{entry}: is gone: take it off NOT_YET in tests/lint.py")
-        elif not any(path == entry or path.startswith(entry + "/") for path, *_ in found):
+        elif looked_at_all and not any(path == entry or path.startswith(entry + "/") for path, *_ in found):
             wrong.append(f"{entry}: is clean: take it off NOT_YET in tests/lint.py")
     counting = [finding for finding in sorted(found)
                 if not any(finding[0] == entry or finding[0].startswith(entry + "/") for entry in not_yet)]
@@ -122,11 +142,13 @@ def verdict(found, not_yet, root):
     return wrong, len(found) - len(counting)
 
 
-def check_tidy(root, build, not_yet, show_all=False):
-    units = product_units(root, build)
-    if not units:
+def check_tidy(root, build, not_yet, show_all=False, since=None):
+    all_units = product_units(root, build)
+    if not all_units:
         print(f"lint: {build} compiles nothing of {', '.join(PRODUCT)}", file=sys.stderr)
         return 2
+    changed = changed_since(since, root) if since else None
+    units = all_units if changed is None else touched_units(all_units, changed, root)
     began, found, troubles = time.monotonic(), set(), []
     jobs = int(os.environ.get("NINEDOT_JOBS") or os.cpu_count() or 1)
     with tempfile.TemporaryDirectory() as commands, concurrent.futures.ThreadPoolExecutor(jobs) as pool:
@@ -134,13 +156,11 @@ def check_tidy(root, build, not_yet, show_all=False):
         for more, trouble in pool.map(lambda unit: findings_of(unit, root, commands), units):
             found |= more
             troubles += [trouble] if trouble else []
-    wrong, later = verdict(found, not_yet, root)
-    if show_all:
-        wrong, _ = verdict(found, [], root)
+    wrong, later = verdict(found, [] if show_all else not_yet, root, len(units) == len(all_units))
     for line in wrong + troubles:
         print(line, file=sys.stderr)
     spent = resource.getrusage(resource.RUSAGE_CHILDREN)
-    print(f"clang-tidy: {len(units)} files in {time.monotonic() - began:.0f} s, {spent.ru_utime + spent.ru_stime:.0f} s of processor time; "
+    print(f"clang-tidy: {len(units)} of {len(all_units)} files in {time.monotonic() - began:.0f} s, {spent.ru_utime + spent.ru_stime:.0f} s of processor time; "
           f"{len(wrong)} findings" + (f", {later} more on the list of what is still to do" if later else ""))
     return 1 if wrong or troubles else 0
 
@@ -155,7 +175,7 @@ def self_test():
         return
     tree = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 
-    def run(unit, header="#pragma once\nint twice(int x);\n", not_yet=(), command="c++ -std=c++20 -Wall -c proto/a.cpp"):
+    def run(unit, header="#pragma once\nint twice(int x);\n", not_yet=(), command="c++ -std=c++20 -Wall -c proto/a.cpp", changed=None):
         with tempfile.TemporaryDirectory() as root:
             os.makedirs(os.path.join(root, "proto"))
             for name in (".clang-tidy", ".clang-format"):
@@ -168,7 +188,13 @@ def self_test():
                     file.write(text)
             subprocess.run(["git", "init", "-q", root], check=True)
             subprocess.run(["git", "-C", root, "add", "proto"], check=True)
-            return check_format(root), check_tidy(root, root, list(not_yet))
+            if changed is not None:
+                commit = ["git", "-C", root, "-c", "user.name=a", "-c", "user.email=a@b", "commit", "-q", "-m", "a"]
+                subprocess.run(commit, check=True)
+                for name in changed:
+                    with open(os.path.join(root, name), "a", encoding="utf-8") as file:
+                        file.write("\n")
+            return check_format(root), check_tidy(root, root, list(not_yet), since=None if changed is None else "HEAD")
 
     assert run(GOOD_UNIT) == (0, 0)
     assert run(GOOD_UNIT.replace("{ return", "{return")) == (1, 0), "wrong formatting passes"
@@ -180,6 +206,10 @@ def self_test():
     assert run(BAD_UNIT, not_yet=["proto"]) == (0, 0)
     assert run(GOOD_UNIT, not_yet=["proto"]) == (0, 1), "an entry of NOT_YET that outlived its reason passes"
     assert run(GOOD_UNIT, not_yet=["proto/gone.h"]) == (0, 1), "an entry of NOT_YET that is gone passes"
+    assert run(BAD_UNIT, changed=()) == (0, 0), "what did not change is looked at"
+    assert run(BAD_UNIT, changed=("proto/a.cpp",))[1] == 1, "what changed is not looked at"
+    assert run(BAD_UNIT.replace('"a.h"', '"proto/a.h"'), changed=("proto/a.h",), command="c++ -std=c++20 -I. -c proto/a.cpp")[1] == 1
+    assert run(GOOD_UNIT, changed=(), not_yet=["proto"]) == (0, 0), "nobody looked there"
     print("lint: findings are findings")
 
 
@@ -191,8 +221,13 @@ def main():
         return 0
     if arguments == ["format"]:
         return check_format(root) if right_version("clang-format") else 0
-    if arguments[:1] == ["tidy"] and len(arguments) - ("--all" in arguments) == 2:
-        return check_tidy(root, arguments[1], NOT_YET, "--all" in arguments) if right_version("clang-tidy") else 0
+    if arguments[:1] == ["tidy"] and len(arguments) >= 2:
+        build, options = arguments[1], arguments[2:]
+        show_all = "--all" in options
+        if show_all:
+            options.remove("--all")
+        if not options or (options[0] == "--since" and len(options) == 2):
+            return check_tidy(root, build, NOT_YET, show_all, options[1] if options else None) if right_version("clang-tidy") else 0
     print(__doc__, file=sys.stderr)
     return 2
 
