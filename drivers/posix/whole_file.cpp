@@ -4,17 +4,34 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
+#include <memory>
 #include <utility>
 
 namespace ninedot {
 namespace {
 
-/// A device or a fifo: it can't be replaced, only written. A folder is neither; the rename refuses it.
-bool is_special(const std::string& path) noexcept {
+/// A file beside `path` that is nobody else's, and its name. \return  none, and errno: it can't be made
+FileDescriptor open_beside(const std::string& path, std::string& name) {
+  constexpr int kMostTries = 1000;  // names that runs which were killed left behind
+  static std::atomic<unsigned> counter{0};
+  for (int i = 0; i < kMostTries; ++i) {
+    name = path + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".tmp";
+    FileDescriptor file(::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
+    if (file || errno != EEXIST) return file;
+  }
+  return FileDescriptor();
+}
+
+/// Where a link leads, so that it stays one.
+std::string resolved(const std::string& path) {
   struct stat status {};
-  return ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+  if (::lstat(path.c_str(), &status) != 0 || !S_ISLNK(status.st_mode)) return path;
+  const std::unique_ptr<char, decltype(&std::free)> target(::realpath(path.c_str(), nullptr), &std::free);
+  return target ? target.get() : path;
 }
 
 /// Without this the rename itself may be lost. \return  0 or an errno
@@ -67,11 +84,16 @@ Result<std::size_t> write_all(int descriptor, std::span<const std::uint8_t> byte
 
 Result<FileReplacement> FileReplacement::begin(const std::string& path) {
   FileReplacement file;
-  file.path_ = path;
-  const bool is_direct = is_special(path);
-  std::string temporary = is_direct ? std::string() : path + ".tmp";
-  file.file_ =
-      FileDescriptor(::open((is_direct ? path : temporary).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  file.path_ = resolved(path);
+  struct stat status {};
+  const bool exists = ::stat(path.c_str(), &status) == 0;
+  if (exists && S_ISDIR(status.st_mode)) return fail(Errc::kIo, "cannot be created", EISDIR);
+  std::string temporary;
+  // A device or a fifo can't be replaced, only written.
+  if (exists && !S_ISREG(status.st_mode))
+    file.file_ = FileDescriptor(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  else
+    file.file_ = open_beside(file.path_, temporary);
   if (!file.file_) return fail(Errc::kIo, "cannot be created", errno);
   file.temporary_ = std::move(temporary);
   return file;

@@ -39,8 +39,10 @@ enum class Durability {
   kWhenConvenient,
 };
 
-/// PATH.tmp, which becomes PATH at `commit`; without it nothing is left behind and PATH is as it was. Things that are
-/// no regular files (/dev/null, a fifo) are written directly. All errors are kIo with errno (ENOSPC: the disk is full).
+/// A file beside PATH, with a name of its own that ends in .tmp, which becomes PATH at `commit`; without it nothing is
+/// left behind and PATH is as it was. A link stays one, and what it leads to is replaced. Things that are no regular
+/// files (/dev/null, a fifo) are written directly. All errors are kIo with errno (EISDIR: PATH is a folder, ENOSPC: the
+/// disk is full).
 /// Memory: two paths. Threads: one.
 class FileReplacement {
  public:

@@ -72,6 +72,8 @@ class CovarianceReader {
 
  private:
   void check_sigmas(const IntrinsicCovariance& covariance, const Node& node) const {
+    if (covariance.isZero(0))
+      yaml_.refuse(node, "covariance is 0, and nothing is known so well: remove it, or calibrate");
     for (Eigen::Index i = 0; i < kIntrinsics; ++i) {
       const double largest = i < 4 ? camera_.width_px : kMaxCoefficientSigma;
       if (covariance(i, i) < 0 || covariance(i, i) > largest * largest)

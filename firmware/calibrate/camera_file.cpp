@@ -99,6 +99,7 @@ class CameraParser {
         break;
     }
     for (std::size_t i = 0; i < count; ++i) camera.k[i] = coefficients[i];
+    check_directions(camera, node, yaml_);
   }
 
   const YAML::Node& root_;
@@ -126,6 +127,14 @@ void check_intrinsics(const CameraModel& camera, const YAML::Node& where, const 
   if (camera.cx_px < 0 || camera.cx_px > camera.width_px || camera.cy_px < 0 || camera.cy_px > camera.height_px)
     yaml.refuse(where, fmt::format("the principal point ({}, {}) is outside the picture of {} x {} px", camera.cx_px,
                                    camera.cy_px, camera.width_px, camera.height_px));
+}
+
+void check_directions(const CameraModel& camera, const YAML::Node& where, const YamlReader& yaml) {
+  for (const double x : {0.25, 0.75})
+    for (const double y : {0.25, 0.75})
+      if (!camera.normalised_from_pixel({x * camera.width_px, y * camera.height_px}))
+        yaml.refuse(where,
+                    "with these coefficients pixels half way to the corners have no direction: no lens bends so");
 }
 
 CameraCalibration parse_calibration(std::string_view text, const std::string& name) {

@@ -41,6 +41,9 @@ IntrinsicCovariance read_intrinsic_covariance(const YAML::Node& map, const Camer
 /// Refuses focal lengths and centres that no lens of the picture's size has. \param where  they stand
 void check_intrinsics(const CameraModel& camera, const YAML::Node& where, const YamlReader& yaml);
 
+/// Refuses coefficients with which the middle of the picture, half way to its corners, has no directions.
+void check_directions(const CameraModel& camera, const YAML::Node& where, const YamlReader& yaml);
+
 /// The mapping `calibration` of a file. \param camera  of the same file
 CalibrationRecord read_calibration_record(const YAML::Node& node, const CameraModel& camera, const YamlReader& yaml);
 

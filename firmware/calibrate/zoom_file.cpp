@@ -38,6 +38,7 @@ ZoomLens read_lens(const YAML::Node& node, const CameraModel& like, const YamlRe
   lens.camera.k = {};
   for (std::size_t i = 4; i < expected; ++i) lens.camera.k[i - 4] = numbers[i];
   check_intrinsics(lens.camera, node["parameters"], yaml);
+  check_directions(lens.camera, node["parameters"], yaml);
   yaml.need(node, "covariance");
   lens.covariance = read_intrinsic_covariance(node, lens.camera, yaml);
   return lens;
@@ -58,7 +59,9 @@ ZoomTable read_zoom(const YAML::Node& node, const CameraModel& camera, const Yam
                                         lenses[lenses.size() - 2].zoom));
   }
   if (const auto lack = what_zooms_lack(lenses)) yaml.refuse(positions, *lack);
-  return ZoomTable(std::move(lenses));
+  ZoomTable table(std::move(lenses));
+  if (const auto lack = what_gaps_lack(table)) yaml.refuse(positions, *lack);
+  return table;
 }
 
 std::string format_zoom(const ZoomTable& zoom) {

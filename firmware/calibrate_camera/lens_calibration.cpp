@@ -50,7 +50,7 @@ class Calibrator {
     if (!fit || stopped_) return std::nullopt;
     measure_by_lens(*fit);
     refine(*fit);
-    drop_outliers(*fit);
+    result.contradicting = drop_outliers(*fit);
     if (!refine(*fit)) return std::nullopt;
     result.left_out = static_cast<int>(given_ - views_.size());
     result.covariance = lens_covariance(discs_, views_, *fit);
@@ -178,7 +178,8 @@ class Calibrator {
     return choose_model(discs_, views_, fit, choice, tried);
   }
 
-  void drop_outliers(LensFit& fit) {
+  /// \return  how many
+  int drop_outliers(LensFit& fit) {
     std::vector<double> medians_px;
     for (std::size_t i = 0; i < views_.size(); ++i) {
       std::vector<double> off_px = edge_residuals_px(fit.camera, discs_, views_[i], fit.views[i]);
@@ -192,7 +193,9 @@ class Calibrator {
       if (kept != i) views_[kept] = std::move(views_[i]), fit.views[kept] = fit.views[i];
       ++kept;
     }
+    const auto dropped = static_cast<int>(views_.size() - kept);
     views_.resize(kept), fit.views.resize(kept);
+    return dropped;
   }
 
   double rms_px(const LensFit& fit) const {

@@ -15,6 +15,8 @@ constexpr std::size_t kLeastStops = 12;
 constexpr double kLeastTravel_deg = kLeastTravel_rad * kDegPerRad;
 /// Below it a head that never told anything, or never moved.
 constexpr double kNoTravel_deg = 0.2;
+/// Of what it was told: less is an axis that stands still, and what moves is the picture's noise. [1]
+constexpr double kLeastTurned = 0.2;
 /// A direction that is half a degree off is what a protractor gives; lengths that are 20 mm off, a folding rule.
 constexpr double kMaxAngle_deg = 0.5, kMaxLength_mm = 20;
 
@@ -34,6 +36,21 @@ void check_travel(const FoundStops& found, const char* name, double HeadAngles::
       "the {} axis moved by {:.0f} degrees{}: move it by {:.0f} at least{}", name, seen_deg,
       lost_sight ? " with a landmark in sight" : "", kLeastTravel_deg,
       lost_sight ? "; a landmark that is farther away, or a second one beside it, stays in sight for longer" : ""));
+}
+
+/// The axes that hardly turn when they are told to.
+std::vector<std::string> what_stands_still(const HeadCalibration& calibration) {
+  std::vector<std::string> lacks;
+  for (const AxisCalibration* axis : {&calibration.pan, &calibration.tilt}) {
+    const auto [told_low, told_high] = std::ranges::minmax(axis->points, {}, &TablePoint::told_rad);
+    const auto [low, high] = std::ranges::minmax(axis->points, {}, &TablePoint::angle_rad);
+    const double told_rad = told_high.told_rad - told_low.told_rad, turned_rad = high.angle_rad - low.angle_rad;
+    if (turned_rad < kLeastTurned * told_rad)
+      lacks.push_back(fmt::format(
+          "the {} axis turned by {:.1f} degrees where it was told {:.0f}: has it power, and do its orders reach it?",
+          axis == &calibration.pan ? "pan" : "tilt", turned_rad * kDegPerRad, told_rad * kDegPerRad));
+  }
+  return lacks;
 }
 
 }  // namespace
@@ -72,6 +89,8 @@ std::vector<std::string> what_head_lacks(const HeadCalibration& calibration) {
         fmt::format("{} of {} stops contradict the others: were robot or landmarks moved in between, or does the "
                     "head slip?",
                     calibration.left_out, all)};
+  // Nothing else is known of such a head, whatever is said of it.
+  if (std::vector<std::string> still = what_stands_still(calibration); !still.empty()) return still;
   std::vector<std::string> lacks;
   const double length_mm =
       std::max(calibration.tilt_axis_x_sigma_m, calibration.camera_sigma_m.maxCoeff()) / kMetresPerMm;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kPanel = 320, kGap = 24, kMargin = 20, kTop = 58, kBottom = 40;  // CSS px
 constexpr const char* kInk = "#1a1a1a";
+constexpr const char* kNothing = "#cbd0d6";  // no colour that stands for a number
 /// Residuals are averaged over cells of the picture: so many across it.
 constexpr int kCells = 16;
 /// Most outlines that are drawn by themselves; more make the file large and the picture black.
@@ -73,7 +74,8 @@ std::string draw_residuals(const CalibrationDrawing& drawing, const Panel& panel
   for (std::size_t cell = 0; cell < squares.size(); ++cell)
     if (counts[cell] > 0) largest_px = std::max(largest_px, std::sqrt(squares[cell] / counts[cell]));
   const double scale_px = round_above(largest_px);
-  std::string text;
+  std::string text = fmt::format("<rect x=\"{:.1f}\" y=\"{}\" width=\"{}\" height=\"{:.1f}\" fill=\"{}\"/>\n",
+                                 panel.left, kTop, kPanel, panel.height, kNothing);
   for (std::size_t cell = 0; cell < squares.size(); ++cell) {
     if (counts[cell] == 0) continue;
     const auto column = static_cast<int>(cell) % kCells, row = static_cast<int>(cell) / kCells;
@@ -82,7 +84,8 @@ std::string draw_residuals(const CalibrationDrawing& drawing, const Panel& panel
                         panel.left + column * side, top, side, std::min(side, kTop + panel.height - top),
                         heat(std::sqrt(squares[cell] / counts[cell]) / scale_px));
   }
-  return text + frame_of(panel, "What outlines are off", fmt::format("rms, white 0 to black {:g} px", scale_px));
+  return text + frame_of(panel, "What outlines are off",
+                         fmt::format("rms, white 0 to black {:g} px; grey: none there", scale_px));
 }
 
 std::string draw_directions(const CalibrationDrawing& drawing, const Panel& panel) {

@@ -22,6 +22,7 @@
 #include "programs/commands/calibration_output.h"
 #include "programs/commands/calibration_target.h"
 #include "programs/commands/lens_from_views.h"
+#include "programs/commands/output_check.h"
 
 namespace ninedot {
 namespace {
@@ -93,6 +94,7 @@ class CalibrationFiles {
 
 LensCalibration watch_camera(LensFromViews& calibration, const Config& config, const std::string& keep) {
   const OpenedSource source = open_camera(config);
+  if (keep.empty()) fmt::print(stderr, "no views are kept: --keep FOLDER would\n");
   LensCalibration result = calibration.of_camera(source, keep);
   if (!keep.empty()) fmt::print(stderr, "the views are kept in {}\n", keep);
   return result;
@@ -100,6 +102,10 @@ LensCalibration watch_camera(LensFromViews& calibration, const Config& config, c
 
 void run_calibrate_camera(const CalibrateCameraArguments& arguments) {
   check_arguments(arguments);
+  check_named({"--out", arguments.out});
+  std::vector<std::string> inputs = arguments.recordings;
+  inputs.push_back(arguments.sheet.config);
+  check_outputs({{"--out", arguments.out}, {"--picture", picture_beside(arguments.out, arguments.picture)}}, inputs);
   const TerminationSignals signals;  // before the first thread
   const std::optional<Config> config =
       arguments.sheet.config.empty() ? std::nullopt : std::optional(read_config(arguments.sheet.config));
@@ -111,8 +117,9 @@ void run_calibrate_camera(const CalibrateCameraArguments& arguments) {
   const LensCalibrationOptions lens = lens_options(pictures, arguments.sheet.model);
   LensFromViews calibration(target_of(arguments.sheet, config), lens, signals);
   CalibrationFiles files(arguments);
-  const LensCalibration result = arguments.is_live() ? watch_camera(calibration, *config, folder_for_views(arguments))
-                                                     : calibration.of_recordings(pictures);
+  const LensCalibration result =
+      arguments.is_live() ? watch_camera(calibration, *config, folder_for_views(arguments))
+                          : calibration.of_recordings(pictures, LensFromViews::Interrupted::kUsesWhatThereIs);
   files.write(result, calibration.target().discs);
   for (const std::string& line : model_lines(result, !arguments.sheet.model.empty())) fmt::print(stderr, "{}\n", line);
   if (result.left_out > 0)
@@ -139,7 +146,9 @@ void add_calibrate_camera_command(CLI::App& group) {
                       "a new folder: the camera's views as a recording, to calibrate from again; default: beside "
                       "--out, as camera-views");
   command->add_option("--lens", arguments->lens, "what to call the lens in the file");
-  command->add_option("--out", arguments->out, "file for the calibration, which camera.calibration may name")
+  command
+      ->add_option("--out", arguments->out,
+                   "file for the calibration, which camera.calibration may name; -: standard output")
       ->required();
   command->add_option("--picture", arguments->picture,
                       "SVG file: coverage, residuals and errors of directions; default: beside --out");

@@ -19,6 +19,7 @@
 #include "drivers/posix/text_file.h"
 #include "programs/assembly/input_files.h"
 #include "programs/commands/calibrate_commands.h"
+#include "programs/commands/output_check.h"
 #include "programs/commands/recording_frames.h"
 
 namespace ninedot {
@@ -129,11 +130,15 @@ void run_ellipse(const EllipseArguments& arguments) {
   const Config config = arguments.config.empty() ? Config{} : read_config(arguments.config);
   std::vector<EllipseShot> shots = read_shots(arguments);
   const RecordingView view = view_of_recording(arguments.recording, arguments.camera, config);
+  check_outputs({{"--out", arguments.out}},
+                {arguments.recording, arguments.config, arguments.camera, arguments.shots_file});
   OutputFile out(arguments.out);  // before the work, so that a folder that is not there is told at once
   see(shots, arguments, config, view);
   const EllipseFit fit = fit_ellipse_calibration(shots, view.camera, view.landmark, arguments.focal_length_mm);
-  out.write(text_of(fit, arguments));
+  const std::string text = text_of(fit, arguments);
+  out.write(text);
   out.finish();
+  if (!arguments.out.empty() && arguments.out != "-") fmt::print(stderr, "{}", text);
 }
 
 }  // namespace
@@ -147,7 +152,12 @@ void add_calibrate_ellipse_command(CLI::App& group) {
   command->add_option("--shot", arguments->shots, "one shot, FRAME:DISTANCE_MM or FRAME:DISTANCE_MM:CENTRED_FRAME");
   command->add_option("--focal-length-mm", arguments->focal_length_mm, "of the lens, as its maker says")
       ->required()
-      ->check(CLI::Range(0.1, 1000.0));
+      ->check(CLI::Validator(
+          [](const std::string& text) -> std::string {
+            double mm = 0;  // CLI::Range lets what is no number through
+            return read_number(text, mm) && mm >= 0.1 && mm <= 1000 ? "" : text + " is no length from 0.1 to 1000 mm";
+          },
+          "MM"));
   command->add_option("--config", arguments->config, "landmark; default: the default landmark");
   command->add_option("--camera", arguments->camera, "calibration; default: the recording's, then the configuration's");
   command->add_option("--out", arguments->out, "file for the lines of the configuration; default: standard output");

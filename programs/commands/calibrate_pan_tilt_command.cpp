@@ -5,10 +5,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <chrono>
-#include <cstdio>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,7 @@
 #include "programs/commands/collect_head_frames.h"
 #include "programs/commands/head_file_text.h"
 #include "programs/commands/live_head.h"
+#include "programs/commands/output_check.h"
 #include "programs/commands/progress.h"
 
 namespace ninedot {
@@ -32,14 +34,17 @@ using namespace std::chrono_literals;
 struct PanTiltArguments {
   std::vector<std::string> recordings;
   std::string config, camera, out;
-  std::string stops = "7x5";
+  std::string stops;
 };
 
 /// "7x5"
 std::pair<int, int> read_stops(const std::string& text) {
   constexpr int kLeast = 3, kMost = 25;
-  int columns = 0, rows = 0, end = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%n", &columns, &rows, &end) != 2 || end != static_cast<int>(text.size()) ||
+  int columns = 0, rows = 0;
+  const char* const end = text.data() + text.size();
+  const auto [x, no_columns] = std::from_chars(text.data(), end, columns);
+  const auto [last, no_rows] = std::from_chars(std::min(x + 1, end), end, rows);
+  if (no_columns != std::errc() || no_rows != std::errc() || *x != 'x' || last != end ||
       std::min(columns, rows) < kLeast || std::max(columns, rows) > kMost)
     throw StartupError(ExitStatus::kWrongUsage,
                        fmt::format("--stops {}: write COLUMNSxROWS, {} to {} of each, as 7x5", text, kLeast, kMost));
@@ -70,10 +75,17 @@ HeadCalibration calibrate(const std::vector<HeadFrame>& frames, const LandmarkGe
 }
 
 void run_pan_tilt(const PanTiltArguments& arguments) {
-  const auto [columns, rows] = read_stops(arguments.stops);
+  const auto [columns, rows] = read_stops(arguments.stops.empty() ? "7x5" : arguments.stops);
+  if (!arguments.recordings.empty() && !arguments.stops.empty())
+    throw StartupError(ExitStatus::kWrongUsage,
+                       "--stops is for a head that is moved now: leave it out, or the recordings");
   if (arguments.recordings.empty() && !arguments.camera.empty())
     throw StartupError(ExitStatus::kWrongUsage,
                        "--camera belongs to recordings: a camera that is opened has camera.calibration");
+  check_named({"--out", arguments.out});
+  std::vector<std::string> inputs = arguments.recordings;
+  inputs.insert(inputs.end(), {arguments.config, arguments.camera});
+  check_outputs({{"--out", arguments.out}}, inputs);
   const Config config = read_config(arguments.config);
   const TerminationSignals signals;  // before the first thread
   OutputFile out(arguments.out);     // before the work, so that a folder that is not there is told at once
@@ -98,8 +110,9 @@ void run_pan_tilt(const PanTiltArguments& arguments) {
 }  // namespace
 
 void add_calibrate_pan_tilt_command(CLI::App& group) {
-  CLI::App* command = group.add_subcommand(
-      "pan-tilt", "Axes, lengths and tables of a pan/tilt head, from recordings before landmarks that hang still");
+  CLI::App* command = group.add_subcommand("pan-tilt",
+                                           "Axes, lengths and tables of a pan/tilt head before landmarks that hang "
+                                           "still: moving it now, or from recordings");
   const auto arguments = std::make_shared<PanTiltArguments>();
   command->add_option(
       "RECORDING", arguments->recordings,
@@ -109,9 +122,11 @@ void add_calibrate_pan_tilt_command(CLI::App& group) {
       ->required();
   command->add_option("--camera", arguments->camera,
                       "calibration of the camera; default: the recording's, then the configuration's");
-  command->add_option("--stops", arguments->stops,
-                      "without a recording: COLUMNSxROWS of stops, and between the rows again; default: 7x5");
-  command->add_option("--out", arguments->out, "file for the sections of the configuration")->required();
+  command->add_option(
+      "--stops", arguments->stops,
+      "without a recording: COLUMNSxROWS of stops, 3 to 25 of each, and between the rows again; default: 7x5");
+  command->add_option("--out", arguments->out, "file for the sections of the configuration; -: standard output")
+      ->required();
   command->callback([arguments] { run_pan_tilt(*arguments); });
 }
 

@@ -13,6 +13,7 @@
 #include "drivers/posix/output_file.h"
 #include "programs/assembly/input_files.h"
 #include "programs/commands/calibrate_commands.h"
+#include "programs/commands/output_check.h"
 #include "programs/commands/recording_frames.h"
 
 namespace ninedot {
@@ -44,6 +45,9 @@ std::vector<MovingSighting> collect(const ShutterArguments& arguments, Config co
             sightings.push_back({landmark.id, frame.exposed_at(), landmark.sighting.T_camera_landmark,
                                  landmark.sighting.dots, landmark.row_motion});
       });
+  // Sheared outlines are read short, so that a look without a row time alone gives too little of it.
+  if (looked.is_interrupted && !(row_time_s > 0))
+    throw StartupError(ExitStatus::kWorkFailed, "interrupted during the first look: nothing was written");
   tell_interruption(looked);
   is_interrupted = looked.is_interrupted;
   if (sightings.empty())
@@ -69,6 +73,7 @@ std::string text_of(const RowTimeFit& fit) {
 void run_rolling_shutter(const ShutterArguments& arguments) {
   const Config config = arguments.config.empty() ? Config{} : read_config(arguments.config);
   const RecordingView view = view_of_recording(arguments.recording, arguments.camera, config);
+  check_outputs({{"--out", arguments.out}}, {arguments.recording, arguments.config, arguments.camera});
   OutputFile out(arguments.out);  // before the work, so that a folder that is not there is told at once
   RowTimeFit fit;
   for (int pass = 0; pass < kPasses; ++pass) {
@@ -83,8 +88,10 @@ void run_rolling_shutter(const ShutterArguments& arguments) {
     fit = fit_row_time(sightings, view.camera, view.landmark, period_s / view.camera.height_px);
     if (is_interrupted || std::abs(fit.row_time_s - before_s) < kSettled * fit.sigma_s) break;
   }
-  out.write(text_of(fit));
+  const std::string text = text_of(fit);
+  out.write(text);
   out.finish();
+  if (!arguments.out.empty() && arguments.out != "-") fmt::print(stderr, "{}", text);
 }
 
 }  // namespace

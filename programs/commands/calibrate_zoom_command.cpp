@@ -22,6 +22,7 @@
 #include "programs/commands/calibration_output.h"
 #include "programs/commands/calibration_target.h"
 #include "programs/commands/lens_from_views.h"
+#include "programs/commands/output_check.h"
 
 namespace ninedot {
 namespace {
@@ -105,7 +106,8 @@ class ZoomCalibration {
 
   void run() {
     for (std::size_t i = 0; i < positions_.size(); ++i)
-      calibrations_.push_back(named(i, [&] { return works_[i]->of_recordings(pictures_[i]); }));
+      calibrations_.push_back(
+          named(i, [&] { return works_[i]->of_recordings(pictures_[i], LensFromViews::Interrupted::kGivesUp); }));
     const DistortionModel model = common_model();
     for (std::size_t i = 0; i < positions_.size(); ++i)
       if (calibrations_[i].fit.camera.model != model)
@@ -177,7 +179,7 @@ std::vector<std::string> lines_of(const ZoomTable& table, const std::vector<Lens
     lines.push_back(fmt::format("zoom {}: {}", table.lenses()[i].zoom, summary_of(calibrations[i])));
   if (!table.knows_between()) {
     lines.push_back(
-        fmt::format("{} positions: the lens is known at them alone; from {} on it is known between them too",
+        fmt::format("{} positions: the lens is known at them alone; with {} and more it is known between them too",
                     table.lenses().size(), ZoomTable::kLeastForBetween));
     return lines;
   }
@@ -188,7 +190,7 @@ std::vector<std::string> lines_of(const ZoomTable& table, const std::vector<Lens
         100 * (held_out.foretold.fx_px / own.fx_px - 1), direction_differences(own, held_out.foretold).median_px()));
   }
   const ZoomGap gap = table.worst_gap();
-  lines.push_back(fmt::format("known from {} on: focal length to {:.2g} % at worst, between {} and {}", table.reach(),
+  lines.push_back(fmt::format("known from {}: focal length to {:.2g} % at worst, between {} and {}", table.reach(),
                               100 * gap.focal_sigma, gap.from, gap.to));
   return lines;
 }
@@ -217,7 +219,15 @@ std::string picture_of(const ZoomTable& table, const std::string& title) {
   return draw_zoom(drawing);
 }
 
+void check_zoom_outputs(const CalibrateZoomArguments& arguments) {
+  check_named({"--out", arguments.out});
+  std::vector<std::string> inputs{arguments.sheet.config};
+  for (const std::string& text : arguments.at) inputs.push_back(recorded_zoom(text).recording);
+  check_outputs({{"--out", arguments.out}, {"--picture", picture_beside(arguments.out, arguments.picture)}}, inputs);
+}
+
 void run_calibrate_zoom(const CalibrateZoomArguments& arguments) {
+  check_zoom_outputs(arguments);
   ZoomCalibration calibration(arguments);
   // Before the work, so that a folder that is not there is told at once.
   OutputFile file(arguments.out);
@@ -246,7 +256,7 @@ void add_calibrate_zoom_command(CLI::App& group) {
   command
       ->add_option("--at", arguments->at,
                    "ZOOM:RECORDING, once for each position: where the zoom stood, as the camera counts, and what was "
-                   "recorded there; from five on the lens is known between them too")
+                   "recorded there; with five and more the lens is known between them too")
       ->required()
       ->take_all();
   command->add_option("--config", arguments->sheet.config,

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "calibrate_camera/sufficiency.h"
@@ -59,11 +61,18 @@ CalibrationNotes calibration_notes(const LensCalibration& result, const std::str
 }
 
 std::string camera_name_of(const std::string& out) {
-  return out.empty() || out == "-" ? "camera" : std::filesystem::path(out).stem().string();
+  std::string name = out.empty() || out == "-" ? "camera" : std::filesystem::path(out).stem().string();
+  for (char& letter : name)  // YAML takes some others for more than a letter
+    if (letter >= 0 && std::isalnum(static_cast<unsigned char>(letter)) == 0 && letter != '_' && letter != '-' &&
+        letter != '.')
+      letter = '_';
+  return name;
 }
 
 std::string picture_beside(const std::string& out, const std::string& picture) {
-  if (!picture.empty() || out == "-") return picture;
+  std::error_code error;
+  const bool is_device = std::filesystem::exists(out, error) && !std::filesystem::is_regular_file(out, error);
+  if (!picture.empty() || out == "-" || is_device) return picture;
   return std::filesystem::path(out).replace_extension(".svg").string();
 }
 

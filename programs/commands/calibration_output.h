@@ -23,10 +23,10 @@ std::vector<std::string> model_lines(const LensCalibration& result, bool is_forc
 /// empty
 CalibrationNotes calibration_notes(const LensCalibration& result, const std::string& lens);
 
-/// A camera's name from the file that its calibration goes to.
+/// A camera's name from the file that its calibration goes to; what YAML might not take for a letter is "_".
 std::string camera_name_of(const std::string& out);
 
-/// The SVG file beside `out`, unless `picture` names another one; empty: none.
+/// The SVG file beside `out`, unless `picture` names another one; empty: none, as beside standard output and devices.
 std::string picture_beside(const std::string& out, const std::string& picture);
 
 /// The text of camera.yaml, of today. \param name  as ROS has it \param lens  what a person calls it; may be empty

@@ -146,13 +146,17 @@ void check_devices(const Config& config, const ConfigProblems& problems, std::op
   const auto read = [&] { calibration = read_camera_calibration(config.camera); };
   if (!is_recording || !config.camera.calibration.empty()) findings.attempt("camera.calibration", read);
   bool is_opened = false, tells_zoom = head_tells_zoom(config.pan_tilt);
+  // A simulated camera is made of the head and the robot as well: from a mistake in those nothing can be made.
+  const bool can_be_made = config.camera.source != "simulated" ||
+                           !(problems.is_in("pan_tilt") || problems.is_in("body") || problems.is_in("simulation"));
   findings.attempt("camera.device", [&] {
+    if (!can_be_made) return;
     tells_zoom |=
         open_source(config, FrameDemand::kEveryFrame, calibration ? &calibration->record : nullptr).tells_zoom;
     is_opened = true;
   });
   if (is_recording && is_opened && config.camera.calibration.empty()) findings.attempt("camera.calibration", read);
-  if (calibration && (is_opened || !is_recording))
+  if (calibration && (is_opened || !is_recording) && can_be_made)
     findings.attempt("pan_tilt.zoom", [&] { choose_zoom(*calibration, config.pan_tilt, tells_zoom); });
   if (calibration) camera = calibration->camera;
   check_head(config, [&](const char* key, const std::function<void()>& step) { findings.attempt(key, step); });

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "base/startup_error.h"
@@ -20,6 +22,9 @@ using namespace std::chrono_literals;
 CalibrationPictures check_recordings(const std::vector<std::string>& recordings) {
   CalibrationPictures pictures{recordings, {}};
   for (const std::string& recording : recordings) {
+    std::error_code ignored;
+    if (std::filesystem::is_fifo(recording, ignored))
+      refuse(fmt::format("{}: a pipe is no recording: give a file", recording));
     try {
       const PictureSize size = read_recording_index(recording).size;
       if (pictures.size.pixel_count() == 0) pictures.size = size;

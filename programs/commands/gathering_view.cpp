@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <string_view>
+
 namespace ninedot {
 namespace {
 
@@ -38,19 +41,37 @@ std::string so_far(const GatheringState& state) {
                      state.wanted.empty() ? "nothing" : fmt::format("{}", fmt::join(state.wanted, ", ")));
 }
 
+/// Broken between words; what goes on is indented. \return  each line with its end
+std::string wrapped(std::string_view text, std::size_t columns) {
+  constexpr std::string_view kIndent = "  ";
+  std::string lines;
+  std::size_t used = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string_view word = text.substr(at, end - at);
+    if (used > kIndent.size() && used + 1 + word.size() > columns)
+      lines += '\n', lines += kIndent, used = kIndent.size();
+    else if (used > 0)
+      lines += ' ', ++used;
+    lines += word, used += word.size();
+    at = end + 1;
+  }
+  return lines + '\n';
+}
+
 }  // namespace
 
-std::string gathering_table(const GatheringState& state) {
+std::string gathering_table(const GatheringState& state, std::size_t columns) {
   std::string lacks;
-  for (const std::string& lack : state.lens_lacks) lacks += lack + '\n';
+  for (const std::string& lack : state.lens_lacks) lacks += wrapped(lack, columns);
   return fmt::format(
-      "{}\n"
+      "{}"
       "{}\n"
       "{}"
       "  views there; [ ]: the sheet now\n\n"
       "{}\n"
       "Ctrl-C ends, with what there is\n",
-      so_far(state), lacks, map_rows(state), hint(state));
+      wrapped(so_far(state), columns), lacks, map_rows(state), hint(state));
 }
 
 std::string gathering_line(const GatheringState& state) {

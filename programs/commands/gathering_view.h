@@ -18,8 +18,8 @@ struct GatheringState {
 };
 
 /// For a terminal: what is wanted, a map of the picture with how many views show the sheet where, and what to do now.
-/// Each line with its end.
-std::string gathering_table(const GatheringState& state);
+/// \param columns  of the window: sentences are broken there, the map is left as it is \return  each line with its end
+std::string gathering_table(const GatheringState& state, std::size_t columns);
 
 /// For a pipe: "12 views; wanted: lower left, nearer".
 std::string gathering_line(const GatheringState& state);

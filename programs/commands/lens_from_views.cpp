@@ -56,12 +56,16 @@ LensFromViews::LensFromViews(CalibrationTarget target, const LensCalibrationOpti
     : target_(std::move(target)), options_(lens), signals_(signals) {
   options_.go_on = [this](std::string_view what) {
     progress_.show(what);
-    stopped_ = stopped_ || signals_.wait(0ns) != 0;
+    if (signals_.wait(0ns) != 0) {
+      // Of a camera's views this may be one lens of several: the first signal ends the gathering then too.
+      stopped_ = gathering_stopped_ || !is_live_;
+      gathering_stopped_ = true;
+    }
     return !stopped_;
   };
 }
 
-LensCalibration LensFromViews::of_recordings(const CalibrationPictures& pictures) {
+LensCalibration LensFromViews::of_recordings(const CalibrationPictures& pictures, Interrupted interrupted) {
   CollectedViews collected = collect(pictures, usual_camera(options_.width_px, options_.height_px));
   // A lens that bends much hides the landmark from a search that knows nothing of it: once more, with what is known.
   if (!target_.grid && !gathering_stopped_ && collected.views.found() < collected.pictures) {
@@ -70,7 +74,11 @@ LensCalibration LensFromViews::of_recordings(const CalibrationPictures& pictures
       if (again.views.found() > collected.views.found()) collected = std::move(again);
     }
   }
+  if (gathering_stopped_ && interrupted == Interrupted::kGivesUp) give_up("stopped: nothing was written");
   check_views(collected.views.views(), collected.views.found(), collected.pictures);
+  progress_.clear();
+  if (gathering_stopped_)
+    fmt::print(stderr, "ninedot: interrupted: what follows is of the first {} pictures\n", collected.pictures);
   views_ = collected.views.views();
   return good_lens();
 }
@@ -89,6 +97,7 @@ LensCalibration LensFromViews::good_lens() {
 }
 
 LensCalibration LensFromViews::of_camera(const OpenedSource& source, const std::string& keep) {
+  is_live_ = true;
   LiveViewsOptions how{options_.width_px, options_.height_px, keep, [this] { return is_gathering_stopped(); },
                        [this](std::span<const SheetView> views) { return rough_lens(views); }};
   LiveViews live(source, target_, std::move(how));
@@ -100,7 +109,7 @@ LensCalibration LensFromViews::of_camera(const OpenedSource& source, const std::
     progress_.clear();
     std::vector<std::string> lacks = what_lens_lacks(result);
     const std::vector<UncertainPart> uncertain = uncertain_parts(result);
-    const bool may_go_on = end == LiveViews::End::kEnough;
+    const bool may_go_on = end == LiveViews::End::kEnough && !gathering_stopped_;
     const bool is_good = uncertain.empty() || live.views().views().size() >= kMostViews;
     if (lacks.empty() && (is_good || !may_go_on)) return result;
     if (!may_go_on) give_up_for(lacks);
@@ -120,7 +129,11 @@ void LensFromViews::check_views(std::span<const SheetView> views, std::size_t fo
   if (found == 0)
     give_up(fmt::format("no {} in any of {} pictures: is it the right sheet, near enough and whole in the picture?",
                         target_.name(), pictures));
-  const std::vector<std::string> lacks = what_views_lack(views, found, options_.width_px, options_.height_px);
+  std::vector<std::string> lacks = what_views_lack(views, found, options_.width_px, options_.height_px);
+  if (!lacks.empty() && !is_live_ && 2 * found < pictures)
+    lacks.push_back(
+        fmt::format("the {} was recognised in {} of {} pictures: one sheet alone, whole, flat and evenly lit",
+                    target_.name(), found, pictures));
   if (!lacks.empty()) give_up_for(lacks);
 }
 

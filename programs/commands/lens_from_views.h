@@ -29,8 +29,13 @@ class LensFromViews {
   /// \param lens  size, and perhaps model and guess \param signals  made before the first thread; outlives this
   LensFromViews(CalibrationTarget target, const LensCalibrationOptions& lens, const TerminationSignals& signals);
 
+  /// What the first signal does while recordings are searched.
+  enum class Interrupted {
+    kUsesWhatThereIs,  ///< and says so
+    kGivesUp,
+  };
   /// Throws also what collect_views throws.
-  LensCalibration of_recordings(const CalibrationPictures& pictures);
+  LensCalibration of_recordings(const CalibrationPictures& pictures, Interrupted interrupted);
 
   /// Looks until there are enough views for a lens that lacks nothing, or until the source or a signal ends it.
   /// \param keep  as LiveViewsOptions has it
@@ -59,7 +64,8 @@ class LensFromViews {
   Progress progress_;
   std::vector<SheetView> views_;  ///< of recordings
   bool gathering_stopped_ = false, stopped_ = false;
-  std::string kept_;  ///< as LiveViews::where_kept has it
+  bool is_live_ = false;  ///< views of a camera
+  std::string kept_;      ///< as LiveViews::where_kept has it
 };
 
 }  // namespace ninedot

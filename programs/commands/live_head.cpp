@@ -11,6 +11,7 @@
 
 #include "base/startup_error.h"
 #include "base/units.h"
+#include "calibrate_head/head_sufficiency.h"
 #include "config/head_options.h"
 #include "drivers/modbus/tcp_server.h"
 #include "drivers/posix/listening_program.h"
@@ -41,6 +42,13 @@ void check_usage(const Config& config) {
   if (config.camera.source == "recording")
     throw StartupError(ExitStatus::kWrongUsage,
                        "camera.source is \"recording\", which no head moves: name a camera, or give the recording");
+  for (const auto& [axis, name] : {std::pair{&config.pan_tilt.pan, "pan"}, std::pair{&config.pan_tilt.tilt, "tilt"}})
+    if (axis->max_deg - axis->min_deg < kLeastTravel_rad * kDegPerRad)
+      throw StartupError(
+          ExitStatus::kWrongUsage,
+          fmt::format("[pan_tilt.{}] lets the axis turn by {:g} degrees, from min_deg to max_deg; {:.0f} "
+                      "at least are needed to know it",
+                      name, axis->max_deg - axis->min_deg, kLeastTravel_rad * kDegPerRad));
 }
 
 /// Not every head and camera can be held by one program only, so the port is asked as well.

@@ -135,7 +135,7 @@ void LiveViews::tell(Looked looked) {
   now.wanted = wanted_ = wanted_views(now.tally, goals_);
   if (!gatherer_.newest().empty())
     now.part = part_of(middle_px(gatherer_.newest()), options_.width_px, options_.height_px);
-  if (lines_.is_terminal() && lines_.draw(gathering_table(now))) return;
+  if (lines_.is_terminal() && lines_.draw(gathering_table(now, lines_.columns()))) return;
   if (is_news) lines_.print(gathering_line(now) + "\n");
 }
 

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "drivers/posix/print_patiently.h"
 
@@ -21,7 +22,17 @@ std::string cursor_up(std::size_t lines) { return lines == 0 ? std::string() : f
 
 }  // namespace
 
-RedrawnLines::RedrawnLines(int fd) noexcept : fd_(fd), terminal_(isatty(fd) == 1) {}
+bool can_redraw(int fd) noexcept {
+  const char* const kind = std::getenv("TERM");
+  return isatty(fd) == 1 && (kind == nullptr || std::string_view(kind) != "dumb");
+}
+
+std::size_t columns_of(int fd) noexcept {
+  winsize size{};
+  return ioctl(fd, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 ? 80 : size.ws_col;
+}
+
+RedrawnLines::RedrawnLines(int fd) noexcept : fd_(fd), terminal_(can_redraw(fd)) {}
 
 bool RedrawnLines::fits(std::size_t lines) const noexcept {
   winsize size{};

@@ -6,6 +6,11 @@
 
 namespace ninedot {
 
+/// A terminal that can draw over what it shows: TERM=dumb can't.
+bool can_redraw(int fd) noexcept;
+/// Of the terminal's window; 80 where it does not say.
+std::size_t columns_of(int fd) noexcept;
+
 /// Threads: one caller.
 class RedrawnLines {
  public:
@@ -13,6 +18,7 @@ class RedrawnLines {
   explicit RedrawnLines(int fd) noexcept;
 
   bool is_terminal() const noexcept { return terminal_; }
+  std::size_t columns() const noexcept { return columns_of(fd_); }
 
   /// Draws these lines in the place of those before. \param text  each line with its end
   /// \return  false: the window has fewer rows, and nothing was drawn

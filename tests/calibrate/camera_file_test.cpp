@@ -83,7 +83,7 @@ TEST(CameraFile, ReadsTheFormOfOpenCv) {
 
 TEST(CameraFile, ReadsFisheyeCalibrations) {
   const std::string four =
-      replaced(replaced(kRos, "cols: 5", "cols: 4"), "[-0.12, 0.05, 0.0008, -0.0005, 0]", "[0.1, 0.2, 0.3, 0.4]");
+      replaced(replaced(kRos, "cols: 5", "cols: 4"), "[-0.12, 0.05, 0.0008, -0.0005, 0]", "[0.1, 0.02, 0.003, 0.0004]");
   EXPECT_EQ(parse_camera(four, "c.yaml").model, DistortionModel::kPlumbBob);
   EXPECT_EQ(parse_camera(replaced(four, "plumb_bob", "equidistant"), "c.yaml").model, DistortionModel::kEquidistant);
   EXPECT_EQ(parse_camera(replaced(four, "distortion_model: plumb_bob", "fisheye_model: 1"), "c.yaml").model,
@@ -159,6 +159,10 @@ TEST(CameraFile, NamesTheLineOfEveryMistakeInWhatItSaysOfItself) {
             "c.yaml:23: covariance has 80 numbers, but rows x cols is 9 x 9");
   EXPECT_EQ(error_of(kRos + "calibration:\n  covariance: [1, 0, 0, 1]\n"),
             "c.yaml:14: covariance has 4 numbers; of fx, fy, cx, cy and 5 coefficients there are 9 x 9");
+  std::string zeros = "0";
+  for (int i = 1; i < 81; ++i) zeros += ", 0";
+  EXPECT_EQ(error_of(kRos + "calibration:\n  covariance: [" + zeros + "]\n"),
+            "c.yaml:14: covariance is 0, and nothing is known so well: remove it, or calibrate");
   EXPECT_EQ(error_of_record("data: [1.000000", "data: [-1"),
             "c.yaml:23: covariance, row 1, column 1 is -1; a variance is from 0 to 409600");
   EXPECT_EQ(error_of_record("data: [1.000000", "data: [1e300"),
@@ -171,7 +175,7 @@ TEST(CameraFile, NamesTheLineOfEveryMistakeInWhatItSaysOfItself) {
 TEST(CameraFile, ReadsBackEveryModelItWrote) {
   CameraModel camera;
   camera.fx_px = 701.123456789012345;
-  camera.k = {0.1, -1e-7, 1.0 / 3, 4, 0, 0, 0, 0};
+  camera.k = {0.1, -1e-7, 1.0 / 3000, 0.004, 0, 0, 0, 0};
   for (const DistortionModel model :
        {DistortionModel::kPlumbBob, DistortionModel::kRationalPolynomial, DistortionModel::kEquidistant}) {
     camera.model = model;
@@ -213,6 +217,8 @@ TEST(CameraFile, NamesTheLineOfEveryMistake) {
   EXPECT_EQ(error_with("plumb_bob", "rational_polynomial"),
             "c.yaml:10: rational_polynomial takes 8 coefficients; there are 5");
   EXPECT_EQ(error_with("plumb_bob", "equidistant"), "c.yaml:10: equidistant takes 4 coefficients; there are 5");
+  EXPECT_EQ(error_with("[-0.12", "[-5"),
+            "c.yaml:10: with these coefficients pixels half way to the corners have no direction: no lens bends so");
   EXPECT_EQ(error_with("plumb_bob", "thin_prism"),
             "c.yaml:8: unknown distortion_model 'thin_prism'; there are plumb_bob, rational_polynomial, equidistant");
   EXPECT_EQ(error_with("[720,", "[720").substr(0, 9), "c.yaml:7:");

@@ -296,6 +296,22 @@ TEST(Sufficiency, RefusesViewsThatAreAllFrontal) {
   const std::vector<std::string> lacks = what_lens_lacks(*result);
   ASSERT_FALSE(lacks.empty());
   EXPECT_EQ(lacks[0].rfind("focal length uncertain by ", 0), 0U) << lacks[0];
+  EXPECT_EQ(lacks.size(), 1U) << "without it no direction is known; the parts of the picture are not to blame: "
+                              << lacks[1];
+}
+
+TEST(Sufficiency, RefusesViewsOfTwoLenses) {
+  LensCalibration calibration;
+  calibration.fit.camera = barrel();
+  calibration.covariance.matrix = 1e-4 * Eigen::MatrixXd::Identity(9, 9);
+  calibration.directions = direction_errors(barrel(), Eigen::MatrixXd::Zero(9, 9));
+  calibration.views.resize(50);
+  calibration.left_out = 20, calibration.contradicting = 8;
+  EXPECT_TRUE(what_lens_lacks(calibration).empty());
+  calibration.contradicting = 9;
+  const std::vector<std::string> lacks = what_lens_lacks(calibration);
+  ASSERT_EQ(lacks.size(), 1U);
+  EXPECT_EQ(lacks[0].rfind("9 of 59 views contradict the others", 0), 0U) << lacks[0];
 }
 
 }  // namespace

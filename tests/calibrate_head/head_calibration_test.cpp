@@ -168,6 +168,20 @@ TEST(HeadCalibration, RefusesWhenTheLandmarkWasMovedHalfWay) {
   EXPECT_FALSE(what_head_lacks(*found).empty());
 }
 
+TEST(HeadSufficiency, SaysThatAnAxisStandsStillAndNothingElse) {
+  HeadCalibration calibration;
+  calibration.stops = 40;
+  calibration.camera_sigma_m.setConstant(1);
+  calibration.pan.points = {{-0.3, 0.3, 0.001}, {0.3, -0.3, 0.001}};
+  calibration.tilt.points = {{-0.2, 0.001, 0.1}, {0.2, -0.001, 0.1}};
+  const std::vector<std::string> lacks = what_head_lacks(calibration);
+  ASSERT_EQ(lacks.size(), 1U);
+  EXPECT_EQ(lacks[0].rfind("the tilt axis turned by 0.1 degrees where it was told 23", 0), 0U) << lacks[0];
+  calibration.tilt.points = {{-0.2, -0.1, 0.001}, {0.2, 0.1, 0.001}};
+  ASSERT_EQ(what_head_lacks(calibration).size(), 1U);
+  EXPECT_EQ(what_head_lacks(calibration)[0].rfind("lengths are uncertain", 0), 0U);
+}
+
 TEST(HeadCalibration, MakesNothingOfStopsThatHaveNothingToDoWithEachOther) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     test::Random random(seed);

@@ -19,7 +19,7 @@ TEST(CalibrationPicture, DrawsAPlaceForEachDiscACellForEachResidualAndAllDirecti
   drawing.direction_sigma_px[5] = std::numeric_limits<double>::infinity();
   const std::string svg = draw_calibration(drawing);
   EXPECT_EQ(count(svg, "<circle"), 3U);
-  EXPECT_EQ(count(svg, "<rect"), 1U + 3U + 2U + 12U);  // ground, frames, cells with residuals, directions
+  EXPECT_EQ(count(svg, "<rect"), 2U + 3U + 2U + 12U);  // two grounds, frames, cells with residuals, directions
   EXPECT_NE(svg.find("a title"), std::string::npos);
   EXPECT_NE(svg.find("white 0 to black 0.05 px"), std::string::npos);
   EXPECT_EQ(svg.find("inf"), std::string::npos);

@@ -287,11 +287,12 @@ TEST(PictureEncoder, LeavesNothingBehindWhenTheFileCantBeWritten) {
   const Bytes grey(kSmall.pixel_count());
   const ImageView view{grey.data(), 16, 8, 16};
   EXPECT_EQ(write_png_grey("/nonexistent/a.png", view).error().os_errno, ENOENT);
-  const std::string path = testing::TempDir() + "ninedot_written.png";
-  ASSERT_TRUE(write_png_grey(path, view));
-  EXPECT_TRUE(std::filesystem::exists(path));
-  EXPECT_FALSE(std::filesystem::exists(path + ".tmp"));
-  std::filesystem::remove(path);
+  const std::filesystem::path folder = testing::TempDir() + "ninedot_written";
+  std::filesystem::create_directories(folder);
+  ASSERT_TRUE(write_png_grey(folder / "a.png", view));
+  EXPECT_TRUE(std::filesystem::exists(folder / "a.png"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator{}), 1);
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

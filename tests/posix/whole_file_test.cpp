@@ -88,6 +88,36 @@ TEST_F(WholeFile, KeepsTheOldOneWhereTheDiskFails) {
   EXPECT_EQ(files(), 1U) << "the temporary file is gone";
 }
 
+TEST_F(WholeFile, TouchesNobodyElsesFile) {
+  std::ofstream(folder_ / "file.tmp") << "precious";
+  {
+    const Result<FileReplacement> first = FileReplacement::begin(finished_file);
+    Result<FileReplacement> second = FileReplacement::begin(finished_file);
+    ASSERT_TRUE(first && second);
+    ASSERT_TRUE(second->write(bytes("second")));
+    ASSERT_TRUE(second->commit(Durability::kWhenConvenient));
+  }
+  EXPECT_EQ(text_of(finished_file), "second");
+  EXPECT_EQ(text_of(folder_ / "file.tmp"), "precious");
+  EXPECT_EQ(files(), 2U);
+}
+
+TEST_F(WholeFile, ALinkStaysOne) {
+  fs::create_symlink("target", folder_ / "link");
+  std::ofstream(folder_ / "target") << "old";
+  ASSERT_TRUE(write_whole_file(folder_ / "link", bytes("new")));
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+  EXPECT_EQ(text_of(folder_ / "target"), "new");
+  EXPECT_EQ(files(), 2U);
+}
+
+TEST_F(WholeFile, AFolderIsRefusedBeforeAnythingIsWritten) {
+  const Result<FileReplacement> file = FileReplacement::begin(folder_);
+  ASSERT_FALSE(file);
+  EXPECT_EQ(file.error().os_errno, EISDIR);
+  EXPECT_EQ(files(), 0U);
+}
+
 TEST_F(WholeFile, WritesDevicesDirectlyAndLeavesThemWhatTheyAre) {
   ASSERT_EQ(::mkfifo((folder_ / "fifo").c_str(), 0600), 0);
   const int reader = ::open((folder_ / "fifo").c_str(), O_RDONLY | O_NONBLOCK);

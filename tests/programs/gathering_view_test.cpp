@@ -18,7 +18,7 @@ GatheringState half_way() {
 }
 
 TEST(GatheringTable, ShowsWhatIsWantedWhereViewsAreAndWhatToDo) {
-  const std::string text = gathering_table(half_way());
+  const std::string text = gathering_table(half_way(), 80);
   EXPECT_NE(text.find("12 views; wanted: lower left, tilted to the right\n"), std::string::npos) << text;
   EXPECT_NE(text.find("\nhold still\n"), std::string::npos) << text;
   EXPECT_NE(text.find("     3       2       1  \n"
@@ -34,7 +34,7 @@ TEST(GatheringTable, SaysWhatToDoNext) {
   GatheringState state = half_way();
   const auto says = [&](Looked looked, const char* words) {
     state.looked = looked;
-    EXPECT_NE(gathering_table(state).find(words), std::string::npos) << gathering_table(state);
+    EXPECT_NE(gathering_table(state, 80).find(words), std::string::npos) << gathering_table(state, 80);
   };
   says(Looked::kNoSheet, "no sheet in sight");
   says(Looked::kBlurred, "blurred: focus the lens");
@@ -42,6 +42,17 @@ TEST(GatheringTable, SaysWhatToDoNext) {
   says(Looked::kSeenBefore, "move on, to lower left");
   state.lens_lacks = {"focal length uncertain by 3 %: tilt the sheet"};
   says(Looked::kSeenBefore, "focal length uncertain by 3 %");
+}
+
+TEST(GatheringTable, BreaksBetweenWordsWhatTheWindowCannotShow) {
+  GatheringState state = half_way();
+  state.wanted.insert(state.wanted.end(), {"tilted to the left", "nearer"});
+  const std::string text = gathering_table(state, 30);
+  EXPECT_TRUE(
+      text.starts_with("12 views; wanted: lower left,\n"
+                       "  tilted to the right, tilted\n"
+                       "  to the left, nearer\n"))
+      << text;
 }
 
 TEST(GatheringLine, IsOneLine) {

@@ -157,6 +157,20 @@ TEST_F(Commands, CheckAsksNothingOfATableWhoseKeysItCouldNotRead) {
             (std::vector<std::string>{"c.toml:2: unknown key 'devise' in [camera]; did you mean 'device'?"}));
 }
 
+TEST_F(Commands, CheckMakesNoSimulatedCameraOfAHeadThatCannotBe) {
+  const std::string simulated = "[camera]\nsource = \"simulated\"\n[pan_tilt]\ndriver = \"simulated\"\n";
+  const std::string robot = "[[simulation.robot]]\nt_s = 0\ny_mm = 1100\nheading_deg = -90\n";
+  const std::string truth = "[simulation.head]\npan_calibration = [[-60, 2100], [60, 900]]\n";
+  ASSERT_EQ(run({"check", "--config", config(simulated + robot + truth)}).status, ExitStatus::kSuccess);
+  for (const std::string& mistake : {std::string("[pan_tilt.pan]\nmin_deg = -16\nmax_deg = -16\n"),
+                                     std::string("[pan_tilt.pan]\ncalibration = [[-60, 2100], [-60, 900]]\n")}) {
+    const Outcome outcome = run({"check", "--config", config(simulated + mistake + robot + truth)});
+    EXPECT_EQ(outcome.status, ExitStatus::kWrongUsage) << outcome.line;
+  }
+  const std::string one_point = "[simulation.head]\npan_calibration = [[-60, 2100]]\n";
+  EXPECT_EQ(run({"check", "--config", config(simulated + robot + one_point)}).status, ExitStatus::kWrongUsage);
+}
+
 TEST_F(Commands, CheckTakesAMissingDeviceForOneThatMayCome) {
   const Outcome outcome =
       check("[camera]\nsource = \"v4l2\"\ndevice = \"/dev/nowhere\"\ncalibration = \"" + kApproach +

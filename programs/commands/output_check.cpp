@@ -1,0 +1,52 @@
+#include "programs/commands/output_check.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <system_error>
+
+#include "base/startup_error.h"
+
+namespace ninedot {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_file_name(const std::string& path) { return !path.empty() && path != "-"; }
+
+bool is_same_file(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  if (fs::equivalent(a, b, error)) return true;
+  return fs::weakly_canonical(fs::absolute(a, error), error) == fs::weakly_canonical(fs::absolute(b, error), error);
+}
+
+/// A recording's pictures and their times; its camera.yaml is there to be replaced.
+bool is_of_recording(const fs::path& file, const fs::path& recording) {
+  std::error_code error;
+  if (!fs::is_directory(recording, error)) return false;
+  return is_same_file(file, recording / "frames.csv") || is_same_file(file.parent_path(), recording / "frames");
+}
+
+}  // namespace
+
+void check_outputs(const std::vector<NamedOutput>& outputs, const std::vector<std::string>& inputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const NamedOutput& output = outputs[i];
+    if (!is_file_name(output.path)) continue;
+    for (std::size_t other = 0; other < i; ++other)
+      if (is_file_name(outputs[other].path) && is_same_file(outputs[other].path, output.path))
+        throw StartupError(ExitStatus::kWrongUsage,
+                           fmt::format("{} would be written twice, by {} and by {}: name two files", output.path,
+                                       outputs[other].option, output.option));
+    for (const std::string& input : inputs)
+      if (!input.empty() && (is_same_file(output.path, input) || is_of_recording(output.path, input)))
+        throw StartupError(ExitStatus::kWrongUsage,
+                           fmt::format("{} is read by this command: give {} another name", output.path, output.option));
+  }
+}
+
+void check_named(const NamedOutput& output) {
+  if (output.path.empty()) throw StartupError(ExitStatus::kWrongUsage, fmt::format("{} names no file", output.option));
+}
+
+}  // namespace ninedot
