@@ -34,7 +34,7 @@ struct LensCalibration {
   DirectionErrors directions;
   double rms_px = 0;              ///< root mean square of the outlines' residuals, each by its certainty
   int left_out = 0;               ///< number of views that contradict the others or show no outline
-  int contradicting = 0;          ///< of those, the ones that contradict the others
+  int contradicting = 0;          ///< number of those among them that contradict the others
   std::vector<TriedModel> tried;  ///< the best first; none: it was told which
 };
 
