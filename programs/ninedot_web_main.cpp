@@ -1,4 +1,5 @@
-// The page, a process of its own: configuration -> tap -> messages -> browsers. The service knows nothing of it.
+// The page, a process of its own: configuration -> tap -> messages -> browsers, and back: browsers -> jogger ->
+// Modbus. To the service it is one client like any other.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +14,7 @@
 #include "programs/assembly/input_files.h"
 #include "programs/program.h"
 #include "programs/web/access.h"
+#include "programs/web/jogger.h"
 #include "programs/web/live_json.h"
 #include "programs/web/web_server.h"
 
@@ -48,11 +50,13 @@ void run_web(const std::string& config_path) {
     throw StartupError(ExitStatus::kWrongUsage,
                        config_path + ": the page needs the tap: write `enabled = true` under [tap]");
   NewestMap map(config_path);
-  WebServerOptions options{web, config.tap.path, {}, [&] { return map.json(); }};
-  options.rules.tls = !web.certificate.empty();
-  options.rules.names = web.names;
-  if (!web.token_file.empty()) options.rules.token = read_token(web.token_file);
+  AccessRules rules;
+  rules.tls = !web.certificate.empty();
+  rules.names = web.names;
+  if (!web.token_file.empty()) rules.token = read_token(web.token_file);
   const TerminationSignals signals;  // before the first thread
+  Jogger jogger(jogger_options(config, !rules.token.empty()));
+  const WebServerOptions options{web, config.tap.path, rules, [&] { return map.json(); }, jogger};
   WebServer server(options);
   const bool is_v6 = web.listen.find(':') != std::string::npos;
   fmt::print(stderr, "ninedot-web: {}://{}:{}\n", options.rules.tls ? "https" : "http",

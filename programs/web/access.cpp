@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 
 #include "base/startup_error.h"
@@ -26,6 +27,22 @@ bool is_ip_address(const std::string& text) {
 std::string name_of_host(std::string_view host) {
   if (host.starts_with('[')) return std::string(host.substr(1, host.find(']') - 1));
   return std::string(host.substr(0, host.find(':')));
+}
+
+Refusal refusal_of_any_body(const RequestHead& head) {
+  if ((head.content_length.empty() || head.content_length == "0") && head.transfer_encoding.empty()) return {};
+  return {413, "A request that looks has no body.\n"};
+}
+
+/// Its length must be told beforehand: what has none may have any.
+Refusal refusal_of_body(const RequestHead& head) {
+  if (head.content_length.empty() || !head.transfer_encoding.empty())
+    return {411, "A request that changes something says how long it is.\n"};
+  const char* const end = head.content_length.data() + head.content_length.size();
+  std::size_t length = 0;
+  const auto [read_to, error] = std::from_chars(head.content_length.data(), end, length);
+  if (error == std::errc() && read_to == end && length <= kMostBody_bytes) return {};
+  return {413, "That is more than can be asked for here.\n"};
 }
 
 }  // namespace
@@ -94,19 +111,29 @@ Refusal Access::check_token(const RequestHead& head, MonoTime now) {
   return {401, "This is not the token of this page.\n"};
 }
 
+Refusal Access::check_origin(const RequestHead& head, bool changes) const {
+  const Refusal refusal{403, "Not for other pages.\n"};
+  const std::string own_origin = fmt::format("{}://{}", rules_.tls ? "https" : "http", head.host);
+  if ((changes || !head.origin.empty()) && head.origin != own_origin) return refusal;
+  const bool is_own = head.fetch_site.empty() || head.fetch_site == "same-origin";
+  // Who follows a link from elsewhere to the page itself is welcome; "none": an address that was typed.
+  const bool is_foreign = head.fetch_site == "cross-site" || head.fetch_site == "same-site";
+  if (changes ? !is_own : is_foreign && head.path.starts_with("/api/")) return refusal;
+  return {};
+}
+
 Refusal Access::refusal_of(const RequestHead& head, MonoTime now) {
-  if (head.method != "GET" && head.method != "HEAD")
+  const bool changes = head.method == "POST" && head.path == kChangingPath;
+  if (!changes && head.method != "GET" && head.method != "HEAD")
     return {405, "Nothing can be changed here: only GET and HEAD are answered.\n"};
-  if ((!head.content_length.empty() && head.content_length != "0") || !head.transfer_encoding.empty())
-    return {413, "A request that looks has no body.\n"};
+  if (const Refusal refusal = changes ? refusal_of_body(head) : refusal_of_any_body(head)) return refusal;
   if (!is_our_host(head.host))
     return {421, "This machine does not know itself by that name: add it to `names` of [web], or use its address.\n"};
-  const std::string own_origin = fmt::format("{}://{}", rules_.tls ? "https" : "http", head.host);
-  if (!head.origin.empty() && head.origin != own_origin) return {403, "Not for other pages.\n"};
-  if (!head.path.starts_with("/api/")) return {};
-  if (head.fetch_site == "cross-site" || head.fetch_site == "same-site") return {403, "Not for other pages.\n"};
+  if (const Refusal refusal = check_origin(head, changes)) return refusal;
+  if (changes && rules_.token.empty())
+    return {403, "Without a token nothing can be changed: set `token_file` of [web].\n"};
   // What must be known to ask for the token is told without it.
-  return head.path == "/api/session" ? Refusal{} : check_token(head, now);
+  return !head.path.starts_with("/api/") || head.path == "/api/session" ? Refusal{} : check_token(head, now);
 }
 
 }  // namespace ninedot

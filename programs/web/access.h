@@ -1,5 +1,5 @@
 #pragma once
-/// Who may look: decided from a request's head alone, before anything is done for it.
+/// Who may look, and who may change something: decided from a request's head alone, before anything is done for it.
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -24,6 +24,10 @@ struct Refusal {
   bool retry_later = false;  ///< with Retry-After
   explicit operator bool() const noexcept { return status != 0; }
 };
+
+/// The one path by which something can be changed, and how long what is asked for there may be.
+inline constexpr std::string_view kChangingPath = "/api/aim";
+inline constexpr std::size_t kMostBody_bytes = 128;
 
 /// Length from which a token is no longer guessed: 128 bits as hexadecimal digits.
 inline constexpr std::size_t kLeastTokenLength = 32;
@@ -67,11 +71,14 @@ class Access {
 
   /// In this order: a method that looks, no body, a host that is this one (another name that leads here is how a
   /// foreign page gets past the browser's own walls: DNS rebinding), not from another page, the token.
+  /// POST to kChangingPath changes something: a short body, this page's own origin, named as such by the browser, and
+  /// the token, which no browser sends by itself; where there is none nothing is changed, on this machine neither.
   Refusal refusal_of(const RequestHead& head, MonoTime now);
   const AccessRules& rules() const noexcept { return rules_; }
 
  private:
   bool is_our_host(std::string_view host) const;
+  Refusal check_origin(const RequestHead& head, bool changes) const;
   Refusal check_token(const RequestHead& head, MonoTime now);
 
   const AccessRules rules_;

@@ -17,11 +17,14 @@
 #include <cstring>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "base/inline_vector.h"
 #include "base/startup_error.h"
 #include "config/config_checks.h"
 #include "drivers/posix/text_file.h"
+#include "programs/web/http_answer.h"
 #include "programs/web/live_feed.h"
 #include "programs/web/live_json.h"
 #include "programs/web/page_files.h"
@@ -33,12 +36,6 @@ namespace {
 
 constexpr std::size_t kRequestMemory_bytes = std::size_t{16} * 1024;
 constexpr std::size_t kMaxPem_bytes = std::size_t{64} * 1024;
-
-// Nothing from outside, nothing inline, in no frame.
-constexpr const char* kContentPolicy =
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; base-uri "
-    "'none'; "
-    "form-action 'none'; frame-ancestors 'none'";
 
 sockaddr_storage address_of(const WebConfig& web) {
   sockaddr_storage storage{};
@@ -54,88 +51,11 @@ sockaddr_storage address_of(const WebConfig& web) {
   return storage;
 }
 
-std::string text_of(const sockaddr* address) {
-  std::array<char, INET6_ADDRSTRLEN> text{};
-  if (address != nullptr && address->sa_family == AF_INET)
-    ::inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(address)->sin_addr, text.data(), text.size());
-  if (address != nullptr && address->sa_family == AF_INET6)
-    ::inet_ntop(AF_INET6, &reinterpret_cast<const sockaddr_in6*>(address)->sin6_addr, text.data(), text.size());
-  return text.data();
-}
-
-std::string_view header_of(MHD_Connection* connection, const char* name) {
-  const char* const value = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
-  return value == nullptr ? std::string_view() : std::string_view(value);
-}
-
-RequestHead head_of(MHD_Connection* connection, const char* path, const char* method) {
-  const auto* const peer = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
-  return {method,
-          path,
-          header_of(connection, "Host"),
-          header_of(connection, "Origin"),
-          header_of(connection, "Sec-Fetch-Site"),
-          header_of(connection, "Authorization"),
-          header_of(connection, "Content-Length"),
-          header_of(connection, "Transfer-Encoding"),
-          text_of(peer == nullptr ? nullptr : peer->client_addr)};
-}
-
-/// One answer, sent when it goes out of scope.
-class Answer {
- public:
-  Answer(MHD_Connection* connection, std::span<const std::uint8_t> bytes, bool is_static)
-      : connection_(connection),
-        response_(MHD_create_response_from_buffer(bytes.size(), const_cast<std::uint8_t*>(bytes.data()),
-                                                  is_static ? MHD_RESPMEM_PERSISTENT : MHD_RESPMEM_MUST_COPY)) {
-    header("Content-Security-Policy", kContentPolicy);
-    header("X-Content-Type-Options", "nosniff");
-    header("Referrer-Policy", "no-referrer");
-    header("Cross-Origin-Resource-Policy", "same-origin");
-    header("Cross-Origin-Opener-Policy", "same-origin");
-    header("Permissions-Policy", "camera=(), microphone=(), geolocation=()");
-  }
-  ~Answer() {
-    if (response_ != nullptr) MHD_destroy_response(response_);
-  }
-  Answer(const Answer&) = delete;
-  Answer& operator=(const Answer&) = delete;
-
-  Answer& header(const char* name, const char* value) {
-    if (response_ != nullptr) MHD_add_response_header(response_, name, value);
-    return *this;
-  }
-  MHD_Result send(unsigned status) {
-    return response_ == nullptr ? MHD_NO : MHD_queue_response(connection_, status, response_);
-  }
-
- private:
-  MHD_Connection* connection_;
-  MHD_Response* response_;
-};
-
-std::span<const std::uint8_t> bytes_of(std::string_view text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-}
-
-MHD_Result send_text(MHD_Connection* connection, unsigned status, std::string_view text, const char* type,
-                     bool retry_later = false) {
-  Answer answer(connection, bytes_of(text), false);
-  answer.header("Content-Type", type).header("Cache-Control", "no-store");
-  if (status == MHD_HTTP_METHOD_NOT_ALLOWED) answer.header("Allow", "GET, HEAD");
-  if (status == MHD_HTTP_UNAUTHORIZED) answer.header("WWW-Authenticate", "Bearer");
-  if (retry_later) answer.header("Retry-After", "60");
-  return answer.send(status);
-}
-
-constexpr const char* kPlain = "text/plain; charset=utf-8";
-constexpr const char* kJson = "application/json";
-
 MHD_Result send_file(MHD_Connection* connection, std::string_view path) {
   const std::string_view name = path == "/" ? "index.html" : path.substr(1);
   const auto files = page_files();
   const auto file = std::find_if(files.begin(), files.end(), [&](const PageFile& f) { return f.name == name; });
-  if (file == files.end()) return send_text(connection, MHD_HTTP_NOT_FOUND, "There is no such page.\n", kPlain);
+  if (file == files.end()) return send_text(connection, MHD_HTTP_NOT_FOUND, "There is no such page.\n", kPlainText);
   const bool is_known = header_of(connection, "If-None-Match") == file->tag;
   Answer answer(connection, is_known ? std::span<const std::uint8_t>() : file->bytes, true);
   answer.header("Content-Type", content_type_of(name)).header("ETag", file->tag).header("Cache-Control", "no-cache");
@@ -229,6 +149,7 @@ class WebServer::Daemon {
     int socket = -1;
     MonoTime since{};          // when it connected, when its request was whole, or when that had its answer
     bool is_answered = false;  // its request is whole
+    InlineVector<char, kMostBody_bytes> body;
   };
 
   void start() {
@@ -269,57 +190,75 @@ class WebServer::Daemon {
   }
 
   static MHD_Result on_request(void* self, MHD_Connection* connection, const char* path, const char* method,
-                               const char* /*version*/, const char* /*upload*/, std::size_t* upload_bytes,
-                               void** request) {
-    // Called at the head, and once more at the request's end. What is refused is refused at the head: where a body
-    // follows the library closes the connection then, instead of reading it.
+                               const char* /*version*/, const char* upload, std::size_t* upload_bytes, void** request) {
+    // Called at the head, for each part of a body, and once more at the request's end. What is refused is refused at
+    // the head: where a body follows the library closes the connection then, instead of reading it.
     auto& daemon = *static_cast<Daemon*>(self);
-    if (*request != nullptr) return *upload_bytes != 0 ? MHD_NO : daemon.answer(connection, path, method);
+    if (*request != nullptr && *upload_bytes != 0) {
+      const std::string_view part(upload, std::exchange(*upload_bytes, 0));
+      return daemon.take_body(connection, part) ? MHD_YES : MHD_NO;
+    }
+    if (*request != nullptr) return daemon.answer(connection, path, method);
     *request = &daemon;
     const Refusal refusal = daemon.access_.refusal_of(head_of(connection, path, method), mono_now());
     if (!refusal) return MHD_YES;
-    return send_text(connection, refusal.status, refusal.text, kPlain, refusal.retry_later);
+    return send_text(connection, refusal.status, refusal.text, kPlainText, refusal.retry_later);
+  }
+
+  bool take_body(MHD_Connection* connection, std::string_view part) {
+    const std::lock_guard lock(mutex_);
+    Guest* const guest = guest_of(connection);
+    return guest != nullptr &&
+           std::all_of(part.begin(), part.end(), [&](char c) { return guest->body.try_push_back(c); });
   }
 
   MHD_Result answer(MHD_Connection* connection, const char* path, const char* method) {
     const MonoTime now = mono_now();
     const RequestHead head = head_of(connection, path, method);
+    InlineVector<char, kMostBody_bytes> body;
     {
       const std::lock_guard lock(mutex_);
       if (Guest* guest = guest_of(connection); guest != nullptr && !guest->is_answered) {
         guest->since = now;
         guest->is_answered = true;
+        body = guest->body;
       }
     }
+    if (head.method == "POST") {
+      const AimReply reply = options_.jogger.reply_to({body.begin(), body.size()}, head.peer);
+      return send_text(connection, reply.status, reply.json, kJsonText);
+    }
+    if (head.path == "/api/aim")
+      return send_text(connection, MHD_HTTP_OK, options_.jogger.state_json(argument_of(connection, "viewer")),
+                       kJsonText);
     if (head.path == "/api/live") return answer_live(connection, now);
     if (head.path == "/api/session")
       return send_text(connection, MHD_HTTP_OK,
                        fmt::format(R"({{"version":"{}","token":{},"tls":{},"loopback":{}}})", NINEDOT_VERSION,
                                    !options_.rules.token.empty(), options_.rules.tls, is_loopback(options_.web.listen)),
-                       kJson);
-    if (head.path == "/api/registers") return send_text(connection, MHD_HTTP_OK, registers_json_, kJson);
-    if (head.path == "/api/map") return send_text(connection, MHD_HTTP_OK, options_.map_json(), kJson);
+                       kJsonText);
+    if (head.path == "/api/registers") return send_text(connection, MHD_HTTP_OK, registers_json_, kJsonText);
+    if (head.path == "/api/map") return send_text(connection, MHD_HTTP_OK, options_.map_json(), kJsonText);
     return send_file(connection, head.path);
   }
 
   MHD_Result answer_live(MHD_Connection* connection, MonoTime now) {
-    const char* const name = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "viewer");
-    const char* const picture = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "picture");
-    if (name == nullptr || !Viewers::is_name(name))
-      return send_text(connection, MHD_HTTP_BAD_REQUEST, "viewer= is 8 to 32 letters and digits.\n", kPlain);
+    const std::string_view name = argument_of(connection, "viewer");
+    if (!Viewers::is_name(name))
+      return send_text(connection, MHD_HTTP_BAD_REQUEST, "viewer= is 8 to 32 letters and digits.\n", kPlainText);
     std::unique_lock lock(mutex_);
     Viewers::Seat* const seat = viewers_.seat_of(name, now);
     if (seat == nullptr)
       return send_text(connection, MHD_HTTP_SERVICE_UNAVAILABLE,
                        "Sixteen pages are looking already: close one of them, this one tries again by itself.\n",
-                       kPlain, true);
+                       kPlainText, true);
     somebody_.notify_one();
     if (ending_) return MHD_NO;
     if (message_ && message_->number > seat->served && now - made_at_ < std::chrono::seconds(1)) {
       seat->served = message_->number;
       const auto message = message_;
       lock.unlock();
-      return send_message(connection, *message, picture == nullptr || std::strcmp(picture, "0") != 0);
+      return send_message(connection, *message, argument_of(connection, "picture") != "0");
     }
     // Called once more for this very request when the next message is there.
     MHD_suspend_connection(connection);
@@ -354,7 +293,7 @@ class WebServer::Daemon {
     }
     const auto place =
         std::find_if(daemon.guests_.begin(), daemon.guests_.end(), [](const Guest& g) { return g.socket < 0; });
-    if (place != daemon.guests_.end()) *place = {socket_of(connection), mono_now(), false};
+    if (place != daemon.guests_.end()) *place = {socket_of(connection), mono_now(), false, {}};
   }
 
   static void on_answered(void* self, MHD_Connection* connection, void** /*request*/,
@@ -364,6 +303,7 @@ class WebServer::Daemon {
     if (Guest* const guest = daemon.guest_of(connection)) {
       guest->since = mono_now();
       guest->is_answered = false;
+      guest->body.clear();
     }
   }
 

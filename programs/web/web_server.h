@@ -7,6 +7,7 @@
 
 #include "config/config.h"
 #include "programs/web/access.h"
+#include "programs/web/jogger.h"
 
 namespace ninedot {
 
@@ -15,6 +16,7 @@ struct WebServerOptions {
   std::string tap_path;
   AccessRules rules;
   std::function<std::string()> map_json;  ///< asked each time that a page wants the map; of the server's thread
+  Jogger& jogger;                         ///< must outlive the server
 };
 
 /// Serves from construction to destruction.

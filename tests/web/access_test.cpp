@@ -96,6 +96,98 @@ TEST(WebAccess, AsksForTheTokenWhereItIsSet) {
   EXPECT_EQ(access.refusal_of(looking_at("/api/session"), {}).status, 0U);
 }
 
+RequestHead changing() {
+  RequestHead head = looking_at("/api/aim");
+  static const std::string kBearer = "Bearer " + kToken;
+  head.method = "POST";
+  head.origin = "http://127.0.0.1:8090";
+  head.fetch_site = "same-origin";
+  head.authorization = kBearer;
+  head.content_length = "20";
+  return head;
+}
+
+TEST(WebAccess, LetsThePageItselfChangeSomethingWithTheToken) {
+  Access access = guarded_access();
+  EXPECT_EQ(access.refusal_of(changing(), {}).status, 0U);
+  RequestHead older = changing();
+  older.fetch_site = "";
+  EXPECT_EQ(access.refusal_of(older, {}).status, 0U) << "a browser that does not send it, or no TLS";
+}
+
+TEST(WebAccess, ChangesNothingWithoutAToken) {
+  Access guarded = guarded_access();
+  RequestHead head = changing();
+  head.authorization = "";
+  EXPECT_EQ(guarded.refusal_of(head, {}).status, 401U);
+  head.authorization = "Bearer guess";
+  EXPECT_EQ(guarded.refusal_of(head, {}).status, 401U);
+  Access open = open_access();
+  for (const char* given : {"", "Bearer ", "Bearer guess"}) {
+    head.authorization = given;
+    EXPECT_EQ(open.refusal_of(head, {}).status, 403U) << "on this machine neither";
+  }
+}
+
+TEST(WebAccess, ChangesNothingForOtherPages) {
+  Access access = guarded_access();
+  for (const char* origin : {"", "null", "http://evil.example", "https://127.0.0.1:8090", "http://127.0.0.1:8091",
+                             "http://127.0.0.1", "http://127.0.0.1:8090.evil.example", "http://localhost:8090"}) {
+    RequestHead head = changing();
+    head.origin = origin;
+    EXPECT_EQ(access.refusal_of(head, {}).status, 403U) << origin;
+  }
+  for (const char* site : {"cross-site", "same-site", "none", "something new"}) {
+    RequestHead head = changing();
+    head.fetch_site = site;
+    EXPECT_EQ(access.refusal_of(head, {}).status, 403U) << site;
+  }
+  RequestHead rebound = changing();
+  rebound.host = "evil.example";
+  rebound.origin = "http://evil.example";
+  EXPECT_EQ(access.refusal_of(rebound, {}).status, 421U);
+}
+
+TEST(WebAccess, ChangesSomethingAtOnePathByOneMethod) {
+  Access access = guarded_access();
+  for (const char* path : {"/", "/api/live", "/api/map", "/api/aim/", "/api/aim2", "/API/AIM", "//api/aim"}) {
+    RequestHead head = changing();
+    head.path = path;
+    EXPECT_EQ(access.refusal_of(head, {}).status, 405U) << path;
+  }
+  for (const char* method : {"PUT", "DELETE", "PATCH", "OPTIONS", "post"}) {
+    RequestHead head = changing();
+    head.method = method;
+    EXPECT_EQ(access.refusal_of(head, {}).status, 405U) << method;
+  }
+  EXPECT_EQ(access.refusal_of(looking_at("/api/aim"), {}).status, 401U) << "who looks needs the token as ever";
+}
+
+TEST(WebAccess, TakesAShortBodyOfAToldLength) {
+  Access access = guarded_access();
+  const auto status = [&](const char* length, const char* encoding) {
+    RequestHead head = changing();
+    head.content_length = length;
+    head.transfer_encoding = encoding;
+    return access.refusal_of(head, {}).status;
+  };
+  EXPECT_EQ(status("128", ""), 0U);
+  EXPECT_EQ(status("0", ""), 0U) << "understood, and answered as nothing";
+  for (const char* length : {"129", "1000000000000", "99999999999999999999999999", "-1", "0x10", "12 ", "+5", "1e3"})
+    EXPECT_EQ(status(length, ""), 413U) << length;
+  EXPECT_EQ(status("", ""), 411U);
+  EXPECT_EQ(status("20", "chunked"), 411U);
+  EXPECT_EQ(status("", "chunked"), 411U);
+}
+
+TEST(WebAccess, AClosedDoorIsClosedForChangesAsWell) {
+  Access access = guarded_access();
+  RequestHead guessing = changing();
+  guessing.authorization = "Bearer guess";
+  for (int i = 0; i < TokenGate::kMaxWrong; ++i) EXPECT_EQ(access.refusal_of(guessing, {}).status, 401U);
+  EXPECT_EQ(access.refusal_of(changing(), {}).status, 429U);
+}
+
 TEST(WebAccess, LooksAtNoTokenAfterFiveWrongOnesFromThereForAMinute) {
   Access access = guarded_access();
   const MonoTime start{};

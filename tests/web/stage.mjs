@@ -43,7 +43,54 @@ export function get(port, target, { method = "GET", headers = {}, body = null, h
   });
 }
 
-// options: {recording, web: text under [web], extra: further configuration}
+// The service's registers as any controller reads and writes them.
+export class Modbus {
+  static open(port) {
+    const client = new Modbus();
+    client.number = 0;
+    client.asked = new Map();
+    client.rest = Buffer.alloc(0);
+    return new Promise((resolve, reject) => {
+      client.socket = net.connect(port, "127.0.0.1", () => resolve(client)).setNoDelay(true).on("error", reject);
+      client.socket.on("data", (data) => client.hear(data));
+    });
+  }
+
+  hear(data) {
+    this.rest = Buffer.concat([this.rest, data]);
+    while (this.rest.length >= 6 && this.rest.length >= 6 + this.rest.readUInt16BE(4)) {
+      const reply = this.rest.subarray(0, 6 + this.rest.readUInt16BE(4));
+      this.rest = this.rest.subarray(reply.length);
+      this.asked.get(reply.readUInt16BE(0))?.(reply.subarray(7));
+      this.asked.delete(reply.readUInt16BE(0));
+    }
+  }
+
+  request(pdu) {
+    const head = Buffer.alloc(7);
+    this.number = (this.number + 1) & 0xffff;
+    head.writeUInt16BE(this.number, 0);
+    head.writeUInt16BE(pdu.length + 1, 4);
+    const reply = new Promise((resolve) => this.asked.set(this.number, resolve));
+    this.socket.write(Buffer.concat([head, pdu]));
+    return reply;
+  }
+
+  async read(first, count) {
+    const reply = await this.request(Buffer.from([3, first >> 8, first & 255, 0, count]));
+    return Array.from({ length: count }, (_, i) => reply.readInt16BE(2 + 2 * i));
+  }
+
+  write(first, values) {
+    return this.request(Buffer.from([16, first >> 8, first & 255, 0, values.length, 2 * values.length, ...values.flatMap((v) => [(v >> 8) & 255, v & 255])]));
+  }
+
+  close() {
+    this.socket.destroy();
+  }
+}
+
+// options: {recording, camera: text under [camera] in its place, web: text under [web], extra: further configuration}
 export class Stage {
   static async open(options = {}) {
     const stage = new Stage();
@@ -52,11 +99,10 @@ export class Stage {
     stage.modbusPort = await freePort();
     stage.config = path.join(stage.folder, "config.toml");
     const recording = path.join(SOURCE, "tests/recordings", options.recording ?? "approach");
+    const camera = options.camera ?? `source = "recording"\ndevice = "${recording}"\nrate_hz = 35.0`;
     fs.writeFileSync(stage.config, `${options.top ?? ""}
 [camera]
-source = "recording"
-device = "${recording}"
-rate_hz = 35.0
+${camera}
 [modbus.tcp]
 port = ${stage.modbusPort}
 [tap]
