@@ -53,7 +53,9 @@ delay_ms = 20.0
     return own;
   }
 
-  get port() { return this.stage.port; }
+  get port() {
+    return this.stage.port;
+  }
 
   async head() {
     const [pan, tilt] = await this.modbus.read(PAN, 2);

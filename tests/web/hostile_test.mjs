@@ -5,6 +5,7 @@ import net from "node:net";
 import path from "node:path";
 import { after, before, test } from "node:test";
 
+import { HeadStage } from "./head.mjs";
 import { Stage, get, pause, until } from "./stage.mjs";
 
 const TOKEN = "0123456789abcdef0123456789abcdef";
@@ -26,8 +27,8 @@ const live = () => stage.live("hostiletest", authorised);
 const liveFrame = () => until("the page is there, and a frame", async () => { const message = await live(); return message.frame && message; });
 
 // Sends bytes as they are; resolves with what came back, once the other side has closed or `ms` are over.
-const raw = (bytes, ms = 3000) => new Promise((resolve) => {
-  const socket = net.connect(stage.port, "127.0.0.1");
+const raw = (bytes, ms = 3000, port = stage.port) => new Promise((resolve) => {
+  const socket = net.connect(port, "127.0.0.1");
   let answer = "";
   const done = () => { socket.destroy(); resolve(answer); };
   socket.on("data", (data) => { answer += data.toString("latin1"); });
@@ -116,6 +117,60 @@ test("slow heads are closed after ten seconds, though a byte comes each second",
     await pause(1000);
   }
   assert.ok(isClosed && Date.now() - started < 16000, `${Date.now() - started} ms`);
+});
+
+test("whatever is posted by whomever, but by the page itself with the token: the head is not moved by it", async () => {
+  const own = await HeadStage.open();
+  const good = "take hostile01";
+  const refused = async (status_, what, body, options) => assert.equal((await own.post(body, options)).status, status_, what);
+  await refused(401, "no token", good, { token: null });
+  await refused(401, "another token", good, { token: "0123456789abcdef0123456789abcdeF" });
+  await refused(401, "a cookie", good, { token: null, headers: { Cookie: `token=${TOKEN}` } });
+  await refused(401, "the token of a form", good, { token: null, headers: { Authorization: `Basic ${TOKEN}` } });
+  for (const origin of ["http://evil.example", "null", `https://127.0.0.1:${own.port}`, `http://127.0.0.1:${own.port + 1}`, `http://localhost:${own.port}`, ""])
+    await refused(403, `origin ${origin}`, good, { headers: { Origin: origin } });
+  for (const site of ["cross-site", "same-site", "none", "x"]) await refused(403, `fetched from ${site}`, good, { headers: { "Sec-Fetch-Site": site } });
+  await refused(421, "another name", good, { headers: { Host: "evil.example", Origin: "http://evil.example" } });
+  await refused(413, "long", "x".repeat(129));
+  for (const body of ["", "take", "take x", "take  hostile01", `${good}\n`, `${good}\0`, "jog hostile01 1 0 nan 0", "jog hostile01 1 0 1e999 0", "jog hostile01 -1 0 5 5", "{}",
+    "viewer=hostile01", "\u{1f600}".repeat(20), "jog hostile01 99999999999 0 1 1", "a ".repeat(60)]) await refused(400, body, body);
+  await refused(409, "who has no head jogs none", "jog hostile01 1 0 30 30");
+  await refused(409, "nor gives one", "give hostile01");
+
+  const request = (lines, body = "") => `POST /api/aim HTTP/1.1\r\nHost: 127.0.0.1:${own.port}\r\nOrigin: http://127.0.0.1:${own.port}\r\nAuthorization: Bearer ${TOKEN}\r\n${lines}\r\n\r\n${body}`;
+  const answered = async (bytes) => status(await raw(bytes, 700, own.port));
+  assert.equal(await answered(request("Content-Length: 100000000000", "x".repeat(1e5))), 413);
+  assert.equal(await answered(request("Transfer-Encoding: chunked", `e\r\n${good}\r\n0\r\n\r\n`)), 411);
+  assert.equal(await answered(request("Accept: */*")), 411, "of no length");
+  assert.ok([400, 413].includes(await answered(request("Content-Length: -1", good))));
+  assert.ok([400, 411, 0].includes(await answered(request(`Content-Length: ${good.length}\r\nTransfer-Encoding: chunked`, good))), "smuggled");
+  assert.equal(await answered(request(`Content-Length: ${good.length + 40}`, good)), 0, "the rest never comes: nothing is done");
+  assert.equal(await answered(request(`Content-Length: ${good.length}`, good).replace("/api/aim", "/api/aim/")), 405);
+  assert.equal(await answered(request(`Content-Length: ${good.length}`, good).replace("/api/aim", "/api%2faim")), 405);
+  const idle = JSON.parse((await get(own.port, "/api/aim?viewer=hostile01", { headers: authorised })).body);
+  assert.deepEqual([idle.phase, idle.mine], ["free", false]);
+  const head = await own.head();
+  assert.deepEqual([head.command, head.sequence, head.setPan], [0, 0, 0], "nothing of it reached the head");
+  assert.equal((await own.post(good)).status, 200, "what the page itself asks is done");
+  assert.deepEqual(await own.close(), [0, 0]);
+});
+
+test("a storm of posts moves nothing, and the one who has the head jogs on", async () => {
+  const own = await HeadStage.open();
+  let { now } = await own.take("steady0001");
+  let isOver = false;
+  const storm = Array.from({ length: 8 }, async (_, i) => {
+    while (!isOver) await own.post(["take hostile01", "follow hostile01", "jog hostile01 1 0 30 30", "x".repeat(100000)][i % 4], i < 4 ? {} : { token: null }).catch(() => {});
+  });
+  const from = (await own.head()).pan;
+  let number = 0;
+  for (const end = Date.now() + 2000; Date.now() < end; await pause(20)) ({ state: { now } } = await own.post(`jog steady0001 ${++number} ${now} 10 0`));
+  isOver = true;
+  await Promise.all(storm);
+  const head = await own.head();
+  assert.ok(head.pan > from + 5, `${head.pan} deg`);
+  assert.equal(head.tilt, 0);
+  assert.deepEqual(await own.close(), [0, 0]);
 });
 
 // Median and 99 % of the frames between two states of the service's own histogram, as bins.

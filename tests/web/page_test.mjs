@@ -4,9 +4,8 @@ import fs from "node:fs";
 import path from "node:path";
 import { after, before, test } from "node:test";
 
-import { PICTURES, Stage, browser, pause, until } from "./stage.mjs";
+import { PICTURES, SIZES, Stage, browser, openPage, pause, until } from "./stage.mjs";
 
-const SIZES = { desktop: { width: 1360, height: 900 }, phone: { width: 390, height: 844 } };
 let stage, chrome;
 
 before(async () => {
@@ -19,20 +18,7 @@ after(async () => {
   if (stage) assert.deepEqual(await stage.close(), [0, 0], "both ended as they were asked to");
 });
 
-// A page whose every mistake is this test's: errors, refused content, requests that lead elsewhere.
-async function open(view, { theme = "light", size = "desktop", on = stage, hash = `#${view}` } = {}) {
-  const context = await chrome.newContext({ viewport: SIZES[size], colorScheme: theme, deviceScaleFactor: size === "phone" ? 2 : 1 });
-  const page = await context.newPage();
-  const wrong = [];
-  page.on("pageerror", (error) => wrong.push(String(error)));
-  page.on("console", (message) => { if (message.type() === "error" && !/40[13]|429|503|ERR_CONNECTION/.test(message.text())) wrong.push(message.text()); });
-  page.on("request", (request) => {
-    const url = new URL(request.url());
-    if (!["blob:", "data:"].includes(url.protocol) && url.port !== String(on.port)) wrong.push(`fetched from outside: ${url}`);
-  });
-  await page.goto(`http://127.0.0.1:${on.port}/${hash}`);
-  return { page, wrong, close: async () => { await context.close(); assert.deepEqual(wrong, []); } };
-}
+const open = (view, { on = stage, ...options } = {}) => openPage(chrome, on, view, options);
 
 const shown = {
   live: (page) => page.waitForFunction(() => document.querySelector("#picture")?.dataset.frame > 0 && /\d/.test(document.querySelector("#pose")?.textContent)),
@@ -40,6 +26,7 @@ const shown = {
   health: (page) => page.waitForFunction(() => document.querySelectorAll("#checks .check").length > 8),
   registers: (page) => page.waitForFunction(() => document.querySelectorAll(".registers tbody tr").length > 60),
   map: (page) => page.waitForFunction(() => /Camera at x/.test(document.querySelector("#place")?.textContent)),
+  aim: (page) => page.waitForFunction(() => /No head/.test(document.querySelector("#aim-state")?.textContent) && /No pan\/tilt head is configured/.test(document.querySelector("#aim-refused")?.textContent)),
 };
 
 for (const view of Object.keys(shown))
@@ -229,7 +216,7 @@ test("tables for controllers name each register at its address", async () => {
 test("the keyboard is enough", async () => {
   const { page, close } = await open("live");
   await shown.live(page);
-  for (const [key, view] of [["2", "focus"], ["3", "health"], ["4", "registers"], ["5", "map"], ["1", "live"]]) {
+  for (const [key, view] of [["2", "focus"], ["3", "health"], ["4", "registers"], ["5", "map"], ["6", "aim"], ["1", "live"]]) {
     await page.keyboard.press(key);
     await shown[view](page);
     assert.equal(await page.locator("nav a[aria-current]").getAttribute("data-view"), view);

@@ -23,14 +23,17 @@ if [[ ${1:-} == smoke ]]; then
 fi
 if [[ ${1:-} == pictures ]]; then
   node --test --test-name-pattern "is shown" page_test.mjs
+  node --test --test-name-pattern "is shown" aim_test.mjs
   made=${NINEDOT_WEB_PICTURES:-${NINEDOT_BIN_DIR:-../../build/release/bin}/../web}
   cp "$made/live-light-desktop.png" ../../docs/page-live.png
   cp "$made/focus-light-desktop.png" ../../docs/page-focus.png
   cp "$made/health-light-desktop.png" ../../docs/page-health.png
   cp "$made/registers-dark-desktop.png" ../../docs/page-registers.png
   cp "$made/map-light-desktop.png" ../../docs/page-map.png
+  cp "$made/aim-light-desktop.png" ../../docs/page-aim.png
   cp "$made/live-dark-phone.png" ../../docs/page-phone.png
   exit
 fi
 node --test page_test.mjs
+node --test aim_test.mjs
 node --test hostile_test.mjs

@@ -1,4 +1,5 @@
-// A running service with its page, and a browser to look at it: for page_test.mjs and hostile_test.mjs.
+// A running service with its page, and a browser to look at it: for the tests beside it.
+import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import fs from "node:fs";
 import http from "node:http";
@@ -156,4 +157,21 @@ export async function browser() {
     executablePath: "/usr/bin/chromium",
     args: ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
   });
+}
+
+export const SIZES = { desktop: { width: 1360, height: 900 }, phone: { width: 390, height: 844 } };
+
+// A page whose every mistake is the test's: errors, refused content, requests that lead elsewhere.
+export async function openPage(chrome, on, view, { theme = "light", size = "desktop", hash = `#${view}`, touch = false } = {}) {
+  const context = await chrome.newContext({ viewport: SIZES[size], colorScheme: theme, deviceScaleFactor: size === "phone" ? 2 : 1, hasTouch: touch });
+  const page = await context.newPage();
+  const wrong = [];
+  page.on("pageerror", (error) => wrong.push(String(error)));
+  page.on("console", (message) => { if (message.type() === "error" && !/40[139]|429|503|ERR_CONNECTION|ERR_INTERNET/.test(message.text())) wrong.push(message.text()); });
+  page.on("request", (request) => {
+    const url = new URL(request.url());
+    if (!["blob:", "data:"].includes(url.protocol) && url.port !== String(on.port)) wrong.push(`fetched from outside: ${url}`);
+  });
+  await page.goto(`http://127.0.0.1:${on.port}/${hash}`);
+  return { page, context, wrong, close: async () => { await context.close(); assert.deepEqual(wrong, []); } };
 }

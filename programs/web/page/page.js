@@ -6,9 +6,10 @@ import { FocusView } from "./focus.js";
 import { HealthView, verdicts, worstOf } from "./health.js";
 import { RegistersView } from "./registers.js";
 import { MapView } from "./map.js";
+import { AimView } from "./aim.js";
 
 const $ = (id) => document.getElementById(id);
-const VIEWS = { live: LiveView, focus: FocusView, health: HealthView, registers: RegistersView, map: MapView };
+const VIEWS = { live: LiveView, focus: FocusView, health: HealthView, registers: RegistersView, map: MapView, aim: AimView };
 const THEMES = ["system", "light", "dark"];
 
 const history = new History();
@@ -67,6 +68,7 @@ function onMessage(message) {
 }
 
 const feed = new Feed({ onMessage, onTrouble: (text) => say(text), onToken: askForToken });
+shared.viewer = feed.viewer;
 
 function askForToken(problem) {
   $("token-problem").textContent = problem;
