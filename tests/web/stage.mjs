@@ -46,14 +46,25 @@ export function get(port, target, { method = "GET", headers = {}, body = null, h
 
 // The service's registers as any controller reads and writes them.
 export class Modbus {
-  static open(port) {
-    const client = new Modbus();
-    client.number = 0;
-    client.asked = new Map();
-    client.rest = Buffer.alloc(0);
+  constructor(port) {
+    Object.assign(this, { port, number: 0, asked: new Map() });
+  }
+
+  static async open(port) {
+    const client = new Modbus(port);
+    await client.connect();
+    return client;
+  }
+
+  connect() {
+    this.rest = Buffer.alloc(0);
     return new Promise((resolve, reject) => {
-      client.socket = net.connect(port, "127.0.0.1", () => resolve(client)).setNoDelay(true).on("error", reject);
-      client.socket.on("data", (data) => client.hear(data));
+      this.socket = net.connect(this.port, "127.0.0.1", resolve).setNoDelay(true).on("error", reject);
+      this.socket.on("data", (data) => this.hear(data));
+      this.socket.on("close", () => {
+        for (const { reject: forget } of this.asked.values()) forget(new Error("the service closed the connection"));
+        this.asked.clear();
+      });
     });
   }
 
@@ -62,17 +73,18 @@ export class Modbus {
     while (this.rest.length >= 6 && this.rest.length >= 6 + this.rest.readUInt16BE(4)) {
       const reply = this.rest.subarray(0, 6 + this.rest.readUInt16BE(4));
       this.rest = this.rest.subarray(reply.length);
-      this.asked.get(reply.readUInt16BE(0))?.(reply.subarray(7));
+      this.asked.get(reply.readUInt16BE(0))?.resolve(reply.subarray(7));
       this.asked.delete(reply.readUInt16BE(0));
     }
   }
 
-  request(pdu) {
+  async request(pdu) {
+    if (this.socket.destroyed) await this.connect();  // one that was idle for a minute is closed
     const head = Buffer.alloc(7);
     this.number = (this.number + 1) & 0xffff;
     head.writeUInt16BE(this.number, 0);
     head.writeUInt16BE(pdu.length + 1, 4);
-    const reply = new Promise((resolve) => this.asked.set(this.number, resolve));
+    const reply = new Promise((resolve, reject) => this.asked.set(this.number, { resolve, reject }));
     this.socket.write(Buffer.concat([head, pdu]));
     return reply;
   }
