@@ -155,7 +155,7 @@ test("whatever is posted by whomever, but by the page itself with the token: the
   assert.deepEqual(await own.close(), [0, 0]);
 });
 
-test("a storm of posts moves nothing, and the one who has the head jogs on", async () => {
+test("a storm of posts moves nothing, and the one who has the head jogs on", async (t) => {
   const own = await HeadStage.open();
   let { now } = await own.take("steady0001");
   let isOver = false;
@@ -167,12 +167,19 @@ test("a storm of posts moves nothing, and the one who has the head jogs on", asy
     }
   });
   const from = (await own.head()).pan;
-  let number = 0;
-  for (const end = Date.now() + 2000; Date.now() < end; await pause(20)) ({ state: { now } } = await own.post(`jog steady0001 ${++number} ${now} 10 0`));
+  let number = 0, inTime = 0;
+  for (const end = Date.now() + 2000; Date.now() < end; await pause(20)) {
+    const { status: code, state } = await own.post(`jog steady0001 ${++number} ${now} 10 0`);
+    assert.equal(code, 200);
+    inTime += state.now - now < 100 ? 1 : 0;
+    now = state.now;
+  }
   isOver = true;
   await Promise.all(storm);
   const head = await own.head();
-  assert.ok(head.pan > from + 1, `${head.pan} deg`);
+  // On a machine that answers too late nothing turns, as it should.
+  t.diagnostic(`${number} keep-alives, ${inTime} of them in time; ${head.pan} deg`);
+  assert.ok(inTime < 20 || head.pan > from + 1, `${head.pan} deg`);
   assert.equal(head.tilt, 0);
   assert.deepEqual(await own.close(), [0, 0]);
 });
