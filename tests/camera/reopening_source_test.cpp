@@ -299,16 +299,20 @@ TEST(ReopeningSource, RefusesAtTheStartUnlessToldToWait) {
 
 TEST(ReopeningSource, TellsTheNewestRefusalUntilTheCameraIsOpen) {
   Script script;
-  script.refuse_openings = 3;
+  script.refuse_openings = 1'000'000;  // until it is told otherwise
   ReopenOptions options = quick();
   options.wait_for_device = true;
   ReopeningSource source(std::make_unique<ScriptedDevice>(script), options);
   EXPECT_EQ(source.last_refusal(), "/dev/scripted: no such camera");
   script.add(frame(1));
+  {
+    const std::lock_guard lock(script.mutex);
+    script.refuse_openings = 0;
+  }
   ask_until_frame(source);
   EXPECT_EQ(source.last_refusal(), "");
   EXPECT_EQ(source.description(), "scripted");
-  EXPECT_EQ(script.read(&Script::openings).size(), 4U);
+  EXPECT_GE(script.read(&Script::openings).size(), 2U);
 }
 
 TEST(ReopeningSource, AsksARunningDeviceWhatChangedAsOftenAsItWants) {

@@ -216,7 +216,7 @@ TEST(RecordingSource, KeepsFailingFramesInALoopedRecordingThatIsDecodedOnce) {
 }
 
 TEST(RecordingSource, SurvivesACallerThatHoldsEveryBuffer) {
-  const TemporaryRecording recording(30);
+  const TemporaryRecording recording(1000);  // two seconds: it goes on also while a busy machine stands still
   RecordingSource source(recording.path(), {.pace = RecordingPace::kRealTime, .rate_hz = 500});
   std::vector<FrameLease> held;
   for (std::size_t i = 0; i < RecordingSource::kBufferCount; ++i) {
