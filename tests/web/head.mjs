@@ -74,8 +74,8 @@ delay_ms = 20.0
   }
 
   async take(viewer) {
-    await this.post(`take ${viewer}`);
     return until(`${viewer} has the head`, async () => {
+      await this.post(`take ${viewer}`);  // refused while whoever had it last gives it back
       const { state } = await this.post(`jog ${viewer} 0 0 0 0`);
       return state.phase === "held" && state.mine && state;
     });
