@@ -253,7 +253,7 @@ const std::array kKeysAfterTheHead{
               SLOT(web.names)},
     ConfigKey{"web", "token_file", "", 0, 0, "",
               "file of mode 600 with one line of 32 characters or more, which the page asks for; empty = everybody "
-              "who can connect may look",
+              "who can connect may look, and nobody may turn the head",
               SLOT(web.token_file)},
     ConfigKey{"web", "certificate", "", 0, 0, "", "PEM file, for TLS; empty = no TLS", SLOT(web.certificate)},
     ConfigKey{"web", "key", "", 0, 0, "", "PEM file of its private key, of mode 600", SLOT(web.key)},
