@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -74,6 +75,15 @@ HeadCalibration calibrate(const std::vector<HeadFrame>& frames, const LandmarkGe
   return *head;
 }
 
+/// Its stops would count twice, and its landmark for two.
+void refuse_repeated(const std::vector<std::string>& recordings) {
+  std::error_code ignored;
+  for (std::size_t i = 0; i < recordings.size(); ++i)
+    for (std::size_t other = 0; other < i; ++other)
+      if (std::filesystem::equivalent(recordings[i], recordings[other], ignored))
+        throw StartupError(ExitStatus::kWrongUsage, fmt::format("{} is given twice: once is enough", recordings[i]));
+}
+
 void run_pan_tilt(const PanTiltArguments& arguments) {
   const auto [columns, rows] = read_stops(arguments.stops.empty() ? "7x5" : arguments.stops);
   if (!arguments.recordings.empty() && !arguments.stops.empty())
@@ -83,6 +93,7 @@ void run_pan_tilt(const PanTiltArguments& arguments) {
     throw StartupError(ExitStatus::kWrongUsage,
                        "--camera belongs to recordings: a camera that is opened has camera.calibration");
   check_named({"--out", arguments.out});
+  refuse_repeated(arguments.recordings);
   std::vector<std::string> inputs = arguments.recordings;
   inputs.insert(inputs.end(), {arguments.config, arguments.camera});
   check_outputs({{"--out", arguments.out}}, inputs);

@@ -203,6 +203,9 @@ TEST_F(CalibratePanTilt, RefusesWithOneLineAndLeavesNothingBehind) {
   refusal({folder_.path() + "/none"}, ExitStatus::kWrongUsage, "none");
   refusal({"--stops", "7"}, ExitStatus::kWrongUsage, "--stops 7: write COLUMNSxROWS");
   refusal({"--stops", "1x200"}, ExitStatus::kWrongUsage, "3 to 25 of each");
+  refusal({"--stops", "4294967303x5"}, ExitStatus::kWrongUsage, "write COLUMNSxROWS");
+  refusal({"--stops", " 7x 5"}, ExitStatus::kWrongUsage, "write COLUMNSxROWS");
+  refusal({walk(), "--stops", "7x5"}, ExitStatus::kWrongUsage, "--stops is for a head that is moved now");
   refusal({"--camera", "camera.yaml"}, ExitStatus::kWrongUsage, "--camera belongs to recordings");
 
   // A head that is only ever told one place, as without frames.csv.
@@ -220,6 +223,9 @@ TEST_F(CalibratePanTilt, RefusesWithOneLineAndLeavesNothingBehind) {
     }
   }
   refusal({walk()}, ExitStatus::kWorkFailed, "no angles of a head that moves");
+  refusal({walk(), walk() + "/../walk"}, ExitStatus::kWrongUsage, "is given twice");
+  EXPECT_EQ(run({walk(), "--config", config, "--out", config}).status, ExitStatus::kWrongUsage);
+  EXPECT_TRUE(fs::file_size(config) > 0) << "what is read is not written over";
   const auto pretend = [&](double pan_deg, double tilt_deg) {
     std::string csv = "frame,timestamp_ns,pan_deg,tilt_deg\n";
     for (int i = 0; i < 20; ++i)
