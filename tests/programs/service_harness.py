@@ -17,6 +17,7 @@ import time
 SOURCE = pathlib.Path(os.environ["NINEDOT_SOURCE_DIR"])
 BIN = pathlib.Path(os.environ["NINEDOT_BIN_DIR"])
 APPROACH = SOURCE / "tests" / "recordings" / "approach"
+SANITIZED = bool(os.environ.get("NINEDOT_SANITIZED"))
 # Sanitizers make everything several times slower; a test never waits this long when all is well.
 PATIENCE_S = 60
 

@@ -15,7 +15,7 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(__file__))
-from service_harness import (APPROACH, BIN, PATIENCE_S, Client, Service, config_text, float32, free_port, int16, int32,
+from service_harness import (APPROACH, BIN, PATIENCE_S, SANITIZED, Client, Service, config_text, float32, free_port, int16, int32,
                              replay_rows, run, serial_line)
 
 VALID = 1 << 0
@@ -324,7 +324,7 @@ def resident_kb(process):
 class Memory(unittest.TestCase):
     """The whole service, with a client that reads all the while; memory not locked, so that every new page shows."""
 
-    @unittest.skipIf(os.environ.get("NINEDOT_SANITIZED"), "sanitizers keep freed memory for a while")
+    @unittest.skipIf(SANITIZED, "sanitizers keep freed memory for a while")
     def test_does_not_grow_between_1000_and_20000_frames(self):
         last = int(os.environ.get("NINEDOT_MEMORY_FRAMES", "20000"))
         port = free_port()
