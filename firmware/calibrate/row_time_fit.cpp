@@ -126,6 +126,9 @@ class Fitter {
   struct Way {
     SheetMotion motion;
     Eigen::Vector3d turn_rad_s2{0, 0, 0}, push_m_s2{0, 0, 0};  // camera frame
+    /// What the motion may be off by, at the frame: a hand that sets off or stops between two pictures moves as no
+    /// polynomial does.
+    SheetMotion unevenness{};
 
     SheetMotion at(double time_s) const {
       SheetMotion then = motion;
@@ -158,6 +161,11 @@ class Fitter {
     const double half_s = std::chrono::duration<double>(b.seen->at - a.seen->at).count() / 2;
     way.turn_rad_s2 = (later.rotation_rad_s - earlier.rotation_rad_s) / half_s;
     way.push_m_s2 = (later.translation_m_s - earlier.translation_m_s) / half_s;
+    const SheetMotion first = motion_between(frames_[a.before], a), last = motion_between(b, frames_[b.after]);
+    way.unevenness.rotation_rad_s =
+        (last.rotation_rad_s - first.rotation_rad_s - 3 * (later.rotation_rad_s - earlier.rotation_rad_s)) / 2;
+    way.unevenness.translation_m_s =
+        (last.translation_m_s - first.translation_m_s - 3 * (later.translation_m_s - earlier.translation_m_s)) / 2;
     return way;
   }
 
@@ -166,6 +174,7 @@ class Fitter {
     Matrix6 N = Matrix6::Zero();
     Vector6 by_residual = Vector6::Zero(), by_row_time = Vector6::Zero();
     RowSums sums;
+    double uneven = 0, moved = 0;
     for (std::size_t dot = 0; dot < kDotCount; ++dot) {
       const DotSighting& seen = frame.dots[dot];
       if (seen.information.isZero(0)) continue;
@@ -185,6 +194,8 @@ class Fitter {
       const Eigen::Vector2d g = rows * way.at(rows * row_time_s_).ray_velocity(p_m, T.translation_m);
       const Eigen::Vector2d r = ray - seen.ray;
       const Eigen::Matrix2d& W = seen.information;
+      const Eigen::Vector2d off = rows * way.unevenness.ray_velocity(p_m, T.translation_m);
+      uneven += off.dot(W * off), moved += g.dot(W * g);
       N += A.transpose() * W * A;
       by_residual += A.transpose() * W * r;
       by_row_time += A.transpose() * W * g;
@@ -199,6 +210,10 @@ class Fitter {
     sums.gg -= by_row_time.dot(sums.from_row_time);
     sums.gr -= by_row_time.dot(sums.from_residual);
     sums.chi2 -= by_residual.dot(sums.from_residual);
+    // Its row time is off by the same part as its motion, however plain its dots are.
+    const double unsure_s2 = moved > 0 ? uneven / moved * row_time_s_ * row_time_s_ : 0;
+    const double weight = 1 / (1 + sums.gg * unsure_s2);
+    sums.gg *= weight, sums.gr *= weight;
     return sums;
   }
 
