@@ -7,12 +7,13 @@ import re
 import select
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
 
-BIN = pathlib.Path(os.environ["NINEDOT_BIN_DIR"])
-PATIENCE_S = 60
+sys.path.insert(0, os.path.dirname(__file__))
+from service_harness import BIN, PATIENCE_S
 
 # The landmark is at the world's origin and looks along Y. A robot stands before it, drives on, and stands again.
 SCENARIO = """

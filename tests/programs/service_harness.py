@@ -21,6 +21,8 @@ SANITIZED = bool(os.environ.get("NINEDOT_SANITIZED"))
 # Sanitizers make everything several times slower; a test never waits this long when all is well.
 PATIENCE_S = 60
 
+os.environ["TERM"] = "xterm"  # of whatever terminal the tests were started
+
 logging.disable(logging.CRITICAL)  # pymodbus reports every attempt to connect to a service that is still starting
 
 

@@ -142,14 +142,14 @@ class Running(unittest.TestCase):
         self.assertTrue(2 <= len(out.splitlines()) <= 10, out)
         self.assertRegex(out, r"x -?\d+\.\d y -?\d+\.\d z -?\d+\.\d mm")
 
-    def test_live_on_a_terminal_refreshes_one_table_in_place(self):
+    def live_on_a_terminal(self, kind):
         port = free_port()
         with tempfile.TemporaryDirectory(prefix="ninedot-test-") as folder:
             config = pathlib.Path(folder) / "config.toml"
             config.write_text(config_text(port=port))
             master, terminal = pty.openpty()
             process = subprocess.Popen([BIN / "ninedotd", "--config", config, "--live"], stdin=terminal, stdout=terminal,
-                                       stderr=terminal)
+                                       stderr=terminal, env=os.environ | {"TERM": kind})
             os.close(terminal)
             with Client(port=port) as client:
                 client.wait_for(lambda registers: registers[4] & VALID)
@@ -158,9 +158,18 @@ class Running(unittest.TestCase):
             text += self.read_for(master, 1)
             self.assertEqual(process.wait(PATIENCE_S), 0)
             os.close(master)
+        return text
+
+    def test_live_on_a_terminal_refreshes_one_table_in_place(self):
+        text = self.live_on_a_terminal("xterm")
         self.assertIn("\x1b[", text)
         for wanted in ("position", "1-sigma", "of 9 dots", "Hz", "p99", "dropped", "127.0.0.1", "mbpoll -m tcp"):
             self.assertIn(wanted, text)
+
+    def test_live_on_a_terminal_that_can_not_draw_over_its_lines_shows_plain_ones(self):
+        text = self.live_on_a_terminal("dumb")
+        self.assertNotIn("\x1b", text)
+        self.assertRegex(text, r"x -?\d+\.\d y -?\d+\.\d z -?\d+\.\d mm")
 
     @staticmethod
     def read_for(descriptor, seconds):
