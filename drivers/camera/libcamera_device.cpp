@@ -70,7 +70,7 @@ std::unique_ptr<libcamera::CameraManager> start_manager(const std::string& devic
 }
 
 std::string model_of(const libcamera::Camera& camera) {
-  return camera.properties().get(libcamera::properties::Model).value_or("");
+  return std::string(camera.properties().get(libcamera::properties::Model).value_or(""));
 }
 
 std::string describe_sizes(const libcamera::StreamFormats& formats, const libcamera::PixelFormat& format) {
