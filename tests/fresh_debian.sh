@@ -5,6 +5,7 @@
 #
 # The minimal root is made once by mmdebstrap and unpacked anew each time; downloaded packages are kept between runs.
 # NINEDOT_ROOTS: where (default /var/tmp/roots). NINEDOT_MIRROR: the archive (default: the one that this machine's apt uses).
+# NINEDOT_BACKPORTS: packages that come from SUITE-backports, for example libcamera-dev (0.7 in place of 0.4 on Debian 13).
 set -euo pipefail
 
 fail() { echo "fresh_debian.sh: $*" >&2; exit 2; }
@@ -35,12 +36,15 @@ mkdir -p "$root"
 tar -C "$root" -xf "$base" --exclude='./dev/*'
 git -c safe.directory='*' clone --quiet --no-hardlinks "$source_dir" "$root/root/ninedot"
 cp /etc/resolv.conf "$root/etc/resolv.conf"
+if [[ -n ${NINEDOT_BACKPORTS:-} ]]; then
+  echo "deb $mirror $suite-backports main" > "$root/etc/apt/sources.list.d/backports.list"
+fi
 echo "== $suite: $(git -C "$root/root/ninedot" log -1 --format='%h %s'): ${command[*]}"
 
 # A /dev of its own, so that nothing in the root can reach this machine's devices.
 inside='
 set -euo pipefail
-root=$1 packages=$2; shift 2
+root=$1 packages=$2 suite=$3 backports=$4; shift 4
 mount -t proc proc "$root/proc"
 mount -t tmpfs -o mode=755,nosuid tmpfs "$root/dev"
 node() { mknod -m 666 "$root/dev/$1" c "$2" "$3"; }
@@ -55,12 +59,16 @@ ln -s /proc/self/fd/2 "$root/dev/stderr"
 mount -t tmpfs -o mode=1777 tmpfs "$root/dev/shm"
 mount -t sysfs -o ro sysfs "$root/sys"
 mount --bind "$packages" "$root/var/cache/apt/archives"
+if [[ -n $backports ]]; then
+  chroot "$root" apt-get update -qq
+  chroot "$root" /usr/bin/env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq -t "$suite-backports" $backports > /dev/null
+fi
 exec chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb CI=true \
   /bin/bash -c "cd /root/ninedot && \"\$@\"" ninedot "$@"
 '
 status=0
 started=$SECONDS
 unshare --mount --propagation private --pid --fork --kill-child \
-  /bin/bash -c "$inside" inside "$root" "$packages" "${command[@]}" < /dev/null || status=$?
+  /bin/bash -c "$inside" inside "$root" "$packages" "$suite" "${NINEDOT_BACKPORTS:-}" "${command[@]}" < /dev/null || status=$?
 echo "== $suite: exit status $status after $((SECONDS - started)) s"
 exit "$status"
