@@ -1,5 +1,5 @@
 // The page, a process of its own: configuration -> tap -> messages -> browsers, and back: browsers -> jogger ->
-// Modbus. To the service it is one client like any other.
+// Modbus; and tap -> recorder -> disk, where it is asked for. To the service it is one client like any other.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -16,6 +16,7 @@
 #include "programs/web/access.h"
 #include "programs/web/jogger.h"
 #include "programs/web/live_json.h"
+#include "programs/web/recorder.h"
 #include "programs/web/web_server.h"
 
 namespace ninedot {
@@ -56,7 +57,8 @@ void run_web(const std::string& config_path) {
   if (!web.token_file.empty()) rules.token = read_token(web.token_file);
   const TerminationSignals signals;  // before the first thread
   Jogger jogger(jogger_options(config, !rules.token.empty()));
-  const WebServerOptions options{web, config.tap.path, rules, [&] { return map.json(); }, jogger};
+  Recorder recorder(recorder_options(config, !rules.token.empty()));
+  const WebServerOptions options{web, config.tap.path, rules, [&] { return map.json(); }, jogger, recorder};
   WebServer server(options);
   const bool is_v6 = web.listen.find(':') != std::string::npos;
   fmt::print(stderr, "ninedot-web: {}://{}:{}\n", options.rules.tls ? "https" : "http",

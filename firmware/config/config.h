@@ -194,6 +194,11 @@ struct WebConfig {
   std::string certificate, key;  ///< `certificate`, `key`: PEM files for TLS; empty = no TLS
   double pictures_per_s = 10;    ///< `pictures_per_s`: 0.5..12
   int quality = 75;              ///< `quality`: 20..95, of the JPEG pictures
+  std::string recordings;        ///< `recordings`: folder that the page's recordings are kept in; empty = none are made
+  int recordings_mb = 500;       ///< `recordings_mb`: 10..1000000, of all of them together
+  int recording_s = 60;          ///< `recording_s`: 1..3600, the longest
+  double loss_seconds = 0;       ///< `loss_seconds`: 0 (off)..30, kept from before each loss of the landmark
+  int losses = 10;               ///< `losses`: 1..100, recordings of losses that are kept
 };
 
 /// [service]

@@ -108,6 +108,11 @@ void check_web(const Config& config, ConfigProblems& problems) {
   if (web.certificate.empty() != web.key.empty())
     problems.add(problems.line_of(web.key.empty() ? "web.certificate" : "web.key"),
                  "TLS needs both 'certificate' and 'key'");
+  if (!web.recordings.empty() && !web.recordings.starts_with('/'))
+    problems.add(problems.line_of("web.recordings"),
+                 fmt::format("'recordings' is '{}'; write a folder that begins with /", web.recordings));
+  if (web.loss_seconds > 0 && web.recordings.empty())
+    problems.add(problems.line_of("web.loss_seconds"), "'loss_seconds' needs a folder: write 'recordings' as well");
   if (config.tap.enabled && config.tap.path.empty())
     problems.add(problems.line_of("tap.path"), "'path' is empty; write a file's name");
 }

@@ -9,7 +9,6 @@
 
 #include "base/reason.h"
 #include "base/startup_error.h"
-#include "base/units.h"
 #include "calibrate/camera_file.h"
 #include "config/config.h"
 #include "drawing/overlay.h"
@@ -18,11 +17,11 @@
 #include "drivers/posix/signals.h"
 #include "drivers/recording/recording_writer.h"
 #include "drivers/tap/tap_reader.h"
-#include "ports/frame_source.h"
 #include "programs/assembly/input_files.h"
 #include "programs/commands/commands.h"
 #include "programs/commands/progress.h"
 #include "programs/tap/tap_frame.h"
+#include "programs/tap/tap_lease.h"
 
 namespace ninedot {
 namespace {
@@ -117,13 +116,7 @@ void record(Tap& tap, const TapArguments& arguments) {
   std::uint64_t lost = 0, before = 0;
   while (writer.frame_count() < arguments.frames && signals.wait(0ns) == 0) {
     const TapCopy& copy = tap.next();
-    FrameLease lease;
-    lease.frame.luma = copy.luma();
-    lease.frame.chroma = copy.chroma();
-    lease.frame.set_exposure(MonoTime(std::chrono::nanoseconds(copy.frame.exposed_at_ns)));
-    if ((copy.frame.flags & tap_flag::kHasHead) != 0)
-      lease.frame.head = HeadAngles{copy.frame.head_pan_deg * kRadPerDeg, copy.frame.head_tilt_deg * kRadPerDeg};
-    if (before != 0) lease.dropped_before = static_cast<std::uint32_t>(copy.publication - before - 1);
+    const FrameLease lease = lease_of(copy, before);
     before = copy.publication;
     lost += lease.dropped_before;
     if (const auto number = writer.add(lease); !number)

@@ -25,8 +25,8 @@ struct Refusal {
   explicit operator bool() const noexcept { return status != 0; }
 };
 
-/// The one path by which something can be changed, and how long what is asked for there may be.
-inline constexpr std::string_view kChangingPath = "/api/aim";
+/// The paths by which something can be changed, and how long what is asked for there may be.
+inline constexpr std::array<std::string_view, 2> kChangingPaths{"/api/aim", "/api/recordings"};
 inline constexpr std::size_t kMostBody_bytes = 128;
 
 /// Length from which a token is no longer guessed: 128 bits as hexadecimal digits.
@@ -71,7 +71,7 @@ class Access {
 
   /// In this order: a method that looks, no body, a host that is this one (another name that leads here is how a
   /// foreign page gets past the browser's own walls: DNS rebinding), not from another page, the token.
-  /// POST to kChangingPath changes something: a short body, this page's own origin, named as such by the browser, and
+  /// POST to one of kChangingPaths changes something: a short body, this page's own origin, named as such by the browser, and
   /// the token, which no browser sends by itself; where there is none nothing is changed, on this machine neither.
   Refusal refusal_of(const RequestHead& head, MonoTime now);
   const AccessRules& rules() const noexcept { return rules_; }

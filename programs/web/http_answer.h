@@ -23,10 +23,13 @@ class Answer {
  public:
   /// \param is_static  the bytes outlive every answer: they are not copied
   Answer(MHD_Connection* connection, std::span<const std::uint8_t> bytes, bool is_static);
+  /// \param response  made by the caller, this object's from now on; null: out of memory, and nothing can be sent
+  Answer(MHD_Connection* connection, MHD_Response* response);
   ~Answer();
   Answer(const Answer&) = delete;
   Answer& operator=(const Answer&) = delete;
 
+  explicit operator bool() const noexcept { return response_ != nullptr; }
   Answer& header(const char* name, const char* value);
   MHD_Result send(unsigned status);
 

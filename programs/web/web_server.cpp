@@ -28,6 +28,7 @@
 #include "programs/web/live_feed.h"
 #include "programs/web/live_json.h"
 #include "programs/web/page_files.h"
+#include "programs/web/recordings_api.h"
 #include "programs/web/viewers.h"
 #include "proto/register_document.h"
 
@@ -99,6 +100,7 @@ class WebServer::Daemon {
   explicit Daemon(WebServerOptions options)
       : options_(std::move(options)),
         access_(options_.rules),
+        recordings_(options_.recorder),
         feed_(options_.tap_path, options_.web.quality),
         registers_json_(register_map_json()) {
     start();
@@ -224,6 +226,7 @@ class WebServer::Daemon {
         body = guest->body;
       }
     }
+    if (RecordingsApi::is_for(head.path)) return answer_recordings(connection, head, {body.begin(), body.size()});
     if (head.method == "POST") {
       const AimReply reply = options_.jogger.reply_to({body.begin(), body.size()}, head.peer);
       return send_text(connection, reply.status, reply.json, kJsonText);
@@ -240,6 +243,18 @@ class WebServer::Daemon {
     if (head.path == "/api/registers") return send_text(connection, MHD_HTTP_OK, registers_json_, kJsonText);
     if (head.path == "/api/map") return send_text(connection, MHD_HTTP_OK, options_.map_json(), kJsonText);
     return send_file(connection, head.path);
+  }
+
+  MHD_Result answer_recordings(MHD_Connection* connection, const RequestHead& head, std::string_view body) {
+    if (head.method == "POST") {
+      const RecorderReply reply = options_.recorder.reply_to(body);
+      return send_text(connection, reply.status, reply.json, kJsonText);
+    }
+    // An archive takes longer than any other answer: it has its time as long as it is taken.
+    return recordings_.answer(connection, head.path, [this, connection] {
+      const std::lock_guard lock(mutex_);
+      if (Guest* const guest = guest_of(connection)) guest->since = mono_now();
+    });
   }
 
   MHD_Result answer_live(MHD_Connection* connection, MonoTime now) {
@@ -317,6 +332,7 @@ class WebServer::Daemon {
 
   const WebServerOptions options_;
   Access access_;  // of the library's thread
+  RecordingsApi recordings_;  // likewise
   LiveFeed feed_;  // of the caller's of run()
   const std::string registers_json_;
   std::string key_, certificate_;

@@ -8,6 +8,7 @@
 #include "config/config.h"
 #include "programs/web/access.h"
 #include "programs/web/jogger.h"
+#include "programs/web/recorder.h"
 
 namespace ninedot {
 
@@ -17,6 +18,7 @@ struct WebServerOptions {
   AccessRules rules;
   std::function<std::string()> map_json;  ///< asked each time that a page wants the map; of the server's thread
   Jogger& jogger;                         ///< must outlive the server
+  Recorder& recorder;                     ///< likewise
 };
 
 /// Serves from construction to destruction.

@@ -7,9 +7,10 @@ import { HealthView, verdicts, worstOf } from "./health.js";
 import { RegistersView } from "./registers.js";
 import { MapView } from "./map.js";
 import { AimView } from "./aim.js";
+import { RecordingsView } from "./recordings.js";
 
 const $ = (id) => document.getElementById(id);
-const VIEWS = { live: LiveView, focus: FocusView, health: HealthView, registers: RegistersView, map: MapView, aim: AimView };
+const VIEWS = { live: LiveView, focus: FocusView, health: HealthView, registers: RegistersView, map: MapView, aim: AimView, recordings: RecordingsView };
 const THEMES = ["system", "light", "dark"];
 
 const history = new History();
