@@ -260,9 +260,10 @@ const std::array kKeysAfterTheHead{
     ConfigKey{"web", "pictures_per_s", "Hz", 0.5, 12, "", "pictures and reports per second, at most",
               SLOT(web.pictures_per_s)},
     ConfigKey{"web", "quality", "", 20, 95, "", "of the JPEG pictures", SLOT(web.quality)},
-    ConfigKey{"web", "recordings", "", 0, 0, "",
-              "folder of the recordings that the page makes, `/var/lib/ninedot-web` under systemd; empty = none are made",
-              SLOT(web.recordings)},
+    ConfigKey{
+        "web", "recordings", "", 0, 0, "",
+        "folder of the recordings that the page makes, `/var/lib/ninedot-web` under systemd; empty = none are made",
+        SLOT(web.recordings)},
     ConfigKey{"web", "recordings_mb", "MB", 10, 1000000, "", "room for all of them together", SLOT(web.recordings_mb)},
     ConfigKey{"web", "recording_s", "s", 1, 3600, "", "after so long one ends by itself", SLOT(web.recording_s)},
     ConfigKey{"web", "loss_seconds", "s", 0, 30, "",

@@ -123,8 +123,8 @@ Refusal Access::check_origin(const RequestHead& head, bool changes) const {
 }
 
 Refusal Access::refusal_of(const RequestHead& head, MonoTime now) {
-  const bool changes = head.method == "POST" && std::find(kChangingPaths.begin(), kChangingPaths.end(),
-                                                                         head.path) != kChangingPaths.end();
+  const bool changes = head.method == "POST" &&
+                       std::find(kChangingPaths.begin(), kChangingPaths.end(), head.path) != kChangingPaths.end();
   if (!changes && head.method != "GET" && head.method != "HEAD")
     return {405, "Nothing can be changed here: only GET and HEAD are answered.\n"};
   if (const Refusal refusal = changes ? refusal_of_body(head) : refusal_of_any_body(head)) return refusal;

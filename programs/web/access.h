@@ -71,8 +71,9 @@ class Access {
 
   /// In this order: a method that looks, no body, a host that is this one (another name that leads here is how a
   /// foreign page gets past the browser's own walls: DNS rebinding), not from another page, the token.
-  /// POST to one of kChangingPaths changes something: a short body, this page's own origin, named as such by the browser, and
-  /// the token, which no browser sends by itself; where there is none nothing is changed, on this machine neither.
+  /// POST to one of kChangingPaths changes something: a short body, this page's own origin, named as such by the
+  /// browser, and the token, which no browser sends by itself; where there is none nothing is changed, on this machine
+  /// neither.
   Refusal refusal_of(const RequestHead& head, MonoTime now);
   const AccessRules& rules() const noexcept { return rules_; }
 

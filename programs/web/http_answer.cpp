@@ -54,9 +54,8 @@ RequestHead head_of(MHD_Connection* connection, const char* path, const char* me
 }
 
 Answer::Answer(MHD_Connection* connection, std::span<const std::uint8_t> bytes, bool is_static)
-    : Answer(connection,
-             MHD_create_response_from_buffer(bytes.size(), const_cast<std::uint8_t*>(bytes.data()),
-                                             is_static ? MHD_RESPMEM_PERSISTENT : MHD_RESPMEM_MUST_COPY)) {}
+    : Answer(connection, MHD_create_response_from_buffer(bytes.size(), const_cast<std::uint8_t*>(bytes.data()),
+                                                         is_static ? MHD_RESPMEM_PERSISTENT : MHD_RESPMEM_MUST_COPY)) {}
 
 Answer::Answer(MHD_Connection* connection, MHD_Response* response) : connection_(connection), response_(response) {
   header("Content-Security-Policy", kContentPolicy);

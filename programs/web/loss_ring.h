@@ -14,7 +14,7 @@
 namespace ninedot {
 
 struct LossRules {
-  std::chrono::nanoseconds before{};                     ///< kept from before the loss
+  std::chrono::nanoseconds before{};                        ///< kept from before the loss
   std::chrono::nanoseconds after{std::chrono::seconds{1}};  ///< and from after it
   /// A landmark that is not valid for so long is lost: tracking bridges less by itself.
   std::chrono::nanoseconds lost_after{std::chrono::milliseconds{500}};
@@ -50,8 +50,8 @@ class LossRing {
   /// It is saved: the ring begins anew.
   void release() noexcept;
 
-  std::uint64_t skipped() const noexcept { return skipped_; }                ///< losses in the rest after another one
-  std::chrono::nanoseconds spacing() const noexcept { return spacing_; }  ///< from frame to frame; 0: every one
+  std::uint64_t skipped() const noexcept { return skipped_; }                  ///< losses in the rest after another one
+  std::chrono::nanoseconds spacing() const noexcept { return spacing_; }       ///< from frame to frame; 0: every one
   std::size_t bytes() const noexcept { return slots_.size() * frame_bytes_; }  ///< of pixels
 
  private:

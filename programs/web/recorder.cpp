@@ -30,7 +30,8 @@ RecorderOptions recorder_options(const Config& config, bool has_token) {
   const WebConfig& web = config.web;
   RecorderOptions options;
   if (web.recordings.empty())
-    options.why_not = "Nothing is recorded: `recordings` of [web] names no folder, \"/var/lib/ninedot-web\" for instance.";
+    options.why_not =
+        "Nothing is recorded: `recordings` of [web] names no folder, \"/var/lib/ninedot-web\" for instance.";
   options.tap_path = config.tap.path;
   options.folder = web.recordings;
   options.may_ask = has_token;

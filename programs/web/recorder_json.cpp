@@ -42,9 +42,9 @@ std::string recordings_json(const RecordingState& state, const RecordingsContext
   std::string list;
   for (auto entry = state.entries.rbegin(); entry != state.entries.rend(); ++entry)
     list.append(list.empty() ? "" : ",").append(entry_json(*entry));
-  const std::string loss = fmt::format(R"({{"phase":"{}","before_ms":{},"spacing_ms":{},"skipped":{},"memory":{}}})",
-                                       phase_name(state), ms(state.before), ms(state.spacing), state.skipped,
-                                       state.ring_bytes);
+  const std::string loss =
+      fmt::format(R"({{"phase":"{}","before_ms":{},"spacing_ms":{},"skipped":{},"memory":{}}})", phase_name(state),
+                  ms(state.before), ms(state.spacing), state.skipped, state.ring_bytes);
   return fmt::format(
       R"({{"why_not":{},"may":{},"phase":"{}","running":{},"note":{},"problem":{},"bytes":{},"most_bytes":{},"longest_ms":{},"loss":{},"recordings":[{}]}})",
       json_text(context.why_not), context.may_ask, phase, state.running ? entry_json(*state.running) : "null",

@@ -104,7 +104,8 @@ void RecordingDesk::take(QueuedFrame& frame, MonoTime now) {
 
 void RecordingDesk::wait(MonoTime now, std::string_view trouble) {
   if (now - heard_at_ < kPatience) return;
-  if (is_asked()) end_asked(trouble.empty() ? "no frame for 3 s: `ninedot status` says how the camera is" : std::string(trouble));
+  if (is_asked())
+    end_asked(trouble.empty() ? "no frame for 3 s: `ninedot status` says how the camera is" : std::string(trouble));
   ring_.expire();
   if (ring_.phase() == LossRing::Phase::kReady && !loss_) begin_saving();
 }

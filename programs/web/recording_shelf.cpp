@@ -133,10 +133,18 @@ std::uint64_t RecordingShelf::bytes() const noexcept {
 }
 
 std::string RecordingShelf::free_name(RecordingCause cause) const {
-  for (auto now = std::chrono::system_clock::now();; now += std::chrono::seconds(1)) {
-    std::string name = recording_name(now, cause);
+  // Names sort by age, but not after a clock that was put back by more than this.
+  constexpr int kMostSeconds = 60;
+  const auto now = std::chrono::system_clock::now();
+  const auto is_older = [&](const ShelfEntry& entry, const std::string& name) {
+    return cause_of(entry.name) != cause || entry.name < name;
+  };
+  for (int seconds = 0;; ++seconds) {
+    std::string name = recording_name(now + std::chrono::seconds(seconds % kMostSeconds), cause);
+    const bool is_newest =
+        std::all_of(entries_.begin(), entries_.end(), [&](const auto& e) { return is_older(e, name); });
     std::error_code error;
-    if (!fs::exists(path_of(name), error)) return name;
+    if ((is_newest || seconds >= kMostSeconds) && !fs::exists(path_of(name), error)) return name;
   }
 }
 
@@ -147,7 +155,8 @@ void RecordingShelf::add(ShelfEntry entry) {
 }
 
 bool RecordingShelf::remove(std::string_view name) {
-  const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const ShelfEntry& e) { return e.name == name; });
+  const auto entry =
+      std::find_if(entries_.begin(), entries_.end(), [&](const ShelfEntry& e) { return e.name == name; });
   if (entry == entries_.end()) return false;
   entries_.erase(entry);
   const std::string doomed = fmt::format("{}/{}{}", folder_, kDoomed, name);
@@ -164,9 +173,8 @@ bool RecordingShelf::remove_oldest_loss() {
 }
 
 std::size_t RecordingShelf::losses() const noexcept {
-  return static_cast<std::size_t>(std::count_if(entries_.begin(), entries_.end(), [](const ShelfEntry& e) {
-    return cause_of(e.name) == RecordingCause::kLoss;
-  }));
+  return static_cast<std::size_t>(std::count_if(
+      entries_.begin(), entries_.end(), [](const ShelfEntry& e) { return cause_of(e.name) == RecordingCause::kLoss; }));
 }
 
 }  // namespace ninedot

@@ -28,7 +28,7 @@ struct ShelfEntry {
 /// Memory: one entry for each recording, kMost of them at most. Threads: one at a time; waits for the disk.
 class RecordingShelf {
  public:
-  static constexpr std::size_t kMost = 200;
+  static constexpr std::size_t kMost = 200;  ///< recordings, of both causes
 
   /// Makes the folder, and keeps others from using it as well. Recordings that no longer have an end, because the
   /// program or the machine went down, are made whole: a picture without its row is taken away, as is half a row, and
@@ -42,7 +42,7 @@ class RecordingShelf {
   bool is_full() const noexcept { return entries_.size() >= kMost; }
 
   std::string path_of(std::string_view name) const { return folder_ + "/" + std::string(name); }
-  /// A name that no recording has, of now or as soon after as is free.
+  /// A name that no recording has, of now or of the next second in which it is free and the newest.
   std::string free_name(RecordingCause cause) const;
   /// What has been recorded under a free name.
   void add(ShelfEntry entry);

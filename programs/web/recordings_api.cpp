@@ -55,7 +55,8 @@ MHD_Result RecordingsApi::answer(MHD_Connection* connection, std::string_view pa
   const auto asked = parse_recording_path(path.substr(kRecordingsPath.size() + 1));
   const std::string folder = asked ? recorder_.folder_of(asked->name) : std::string();
   if (folder.empty())
-    return send_text(connection, MHD_HTTP_NOT_FOUND, "There is no such recording, or it is not over yet.\n", kPlainText);
+    return send_text(connection, MHD_HTTP_NOT_FOUND, "There is no such recording, or it is not over yet.\n",
+                     kPlainText);
   if (asked->file.empty()) return send_archive(connection, asked->name, folder, std::move(on_progress));
   return send_recorded(connection, fmt::format("{}/{}", folder, asked->file));
 }
@@ -65,8 +66,8 @@ MHD_Result RecordingsApi::send_archive(MHD_Connection* connection, std::string_v
   if (downloads_ >= kMostDownloads)
     return send_text(connection, MHD_HTTP_SERVICE_UNAVAILABLE,
                      "Two recordings are being downloaded already: try again when one is through.\n", kPlainText, true);
-  auto download = std::make_unique<Download>(
-      Download{TarStream(folder, std::string(name)), std::move(on_progress), downloads_});
+  auto download =
+      std::make_unique<Download>(Download{TarStream(folder, std::string(name)), std::move(on_progress), downloads_});
   Answer answer(connection, MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, kPiece_bytes, &read_piece,
                                                               download.get(), &end_download));
   if (!answer) return MHD_NO;

@@ -45,8 +45,8 @@ class TarStream {
   bool report_is_next_ = false, is_over_ = false;
   FileDescriptor file_;
   std::uint64_t file_bytes_left_ = 0;
-  std::size_t padding_bytes_ = 0;    // after the file, up to a whole block
-  std::array<char, 1024> block_{};   // a header, zeros after a file, or the end
+  std::size_t padding_bytes_ = 0;   // after the file, up to a whole block
+  std::array<char, 1024> block_{};  // a header, zeros after a file, or the end
   std::size_t block_from_ = 0, block_to_ = 0;
 };
 

@@ -331,9 +331,9 @@ class WebServer::Daemon {
   }
 
   const WebServerOptions options_;
-  Access access_;  // of the library's thread
+  Access access_;             // of the library's thread
   RecordingsApi recordings_;  // likewise
-  LiveFeed feed_;  // of the caller's of run()
+  LiveFeed feed_;             // of the caller's of run()
   const std::string registers_json_;
   std::string key_, certificate_;
 

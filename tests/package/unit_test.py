@@ -123,6 +123,8 @@ class PageUnit(unittest.TestCase):
 
     def test_may_do_less_than_the_service(self):
         self.assertEqual(self.values(self.page, "DeviceAllow") + self.values(self.page, "ReadWritePaths"), [])
+        # Its recordings, and nothing else on the disk.
+        self.assertEqual([self.values(self.page, f"{kind}Directory") for kind in ("State", "Cache", "Logs", "Configuration", "Runtime")], [["ninedot-web"], [], [], [], []])
         families = [set(self.values(of, "RestrictAddressFamilies")[0].split()) for of in (self.page, self.service)]
         self.assertLess(families[0], families[1])
         allowed = [[calls for calls in self.values(of, "SystemCallFilter")] for of in (self.page, self.service)]

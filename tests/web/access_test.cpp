@@ -96,8 +96,8 @@ TEST(WebAccess, AsksForTheTokenWhereItIsSet) {
   EXPECT_EQ(access.refusal_of(looking_at("/api/session"), {}).status, 0U);
 }
 
-RequestHead changing() {
-  RequestHead head = looking_at("/api/aim");
+RequestHead changing(std::string_view path = "/api/aim") {
+  RequestHead head = looking_at(path);
   static const std::string kBearer = "Bearer " + kToken;
   head.method = "POST";
   head.origin = "http://127.0.0.1:8090";
@@ -109,7 +109,8 @@ RequestHead changing() {
 
 TEST(WebAccess, LetsThePageItselfChangeSomethingWithTheToken) {
   Access access = guarded_access();
-  EXPECT_EQ(access.refusal_of(changing(), {}).status, 0U);
+  for (const std::string_view path : kChangingPaths)
+    EXPECT_EQ(access.refusal_of(changing(path), {}).status, 0U) << path;
   RequestHead older = changing();
   older.fetch_site = "";
   EXPECT_EQ(access.refusal_of(older, {}).status, 0U) << "a browser that does not send it, or no TLS";
@@ -117,9 +118,13 @@ TEST(WebAccess, LetsThePageItselfChangeSomethingWithTheToken) {
 
 TEST(WebAccess, ChangesNothingWithoutAToken) {
   Access guarded = guarded_access();
+  for (const std::string_view path : kChangingPaths) {
+    RequestHead unknown = changing(path);
+    unknown.authorization = "";
+    EXPECT_EQ(guarded.refusal_of(unknown, {}).status, 401U) << path;
+    EXPECT_EQ(open_access().refusal_of(unknown, {}).status, 403U) << path;
+  }
   RequestHead head = changing();
-  head.authorization = "";
-  EXPECT_EQ(guarded.refusal_of(head, {}).status, 401U);
   head.authorization = "Bearer guess";
   EXPECT_EQ(guarded.refusal_of(head, {}).status, 401U);
   Access open = open_access();
@@ -131,12 +136,13 @@ TEST(WebAccess, ChangesNothingWithoutAToken) {
 
 TEST(WebAccess, ChangesNothingForOtherPages) {
   Access access = guarded_access();
-  for (const char* origin : {"", "null", "http://evil.example", "https://127.0.0.1:8090", "http://127.0.0.1:8091",
-                             "http://127.0.0.1", "http://127.0.0.1:8090.evil.example", "http://localhost:8090"}) {
-    RequestHead head = changing();
-    head.origin = origin;
-    EXPECT_EQ(access.refusal_of(head, {}).status, 403U) << origin;
-  }
+  for (const std::string_view path : kChangingPaths)
+    for (const char* origin : {"", "null", "http://evil.example", "https://127.0.0.1:8090", "http://127.0.0.1:8091",
+                               "http://127.0.0.1", "http://127.0.0.1:8090.evil.example", "http://localhost:8090"}) {
+      RequestHead head = changing(path);
+      head.origin = origin;
+      EXPECT_EQ(access.refusal_of(head, {}).status, 403U) << path << origin;
+    }
   for (const char* site : {"cross-site", "same-site", "none", "something new"}) {
     RequestHead head = changing();
     head.fetch_site = site;
@@ -148,9 +154,10 @@ TEST(WebAccess, ChangesNothingForOtherPages) {
   EXPECT_EQ(access.refusal_of(rebound, {}).status, 421U);
 }
 
-TEST(WebAccess, ChangesSomethingAtOnePathByOneMethod) {
+TEST(WebAccess, ChangesSomethingAtItsPathsByOneMethod) {
   Access access = guarded_access();
-  for (const char* path : {"/", "/api/live", "/api/map", "/api/aim/", "/api/aim2", "/API/AIM", "//api/aim"}) {
+  for (const char* path : {"/", "/api/live", "/api/map", "/api/aim/", "/api/aim2", "/API/AIM", "//api/aim",
+                           "/api/recordings/", "/api/recordings/20261123-121415-asked/download"}) {
     RequestHead head = changing();
     head.path = path;
     EXPECT_EQ(access.refusal_of(head, {}).status, 405U) << path;
@@ -160,7 +167,8 @@ TEST(WebAccess, ChangesSomethingAtOnePathByOneMethod) {
     head.method = method;
     EXPECT_EQ(access.refusal_of(head, {}).status, 405U) << method;
   }
-  EXPECT_EQ(access.refusal_of(looking_at("/api/aim"), {}).status, 401U) << "who looks needs the token as ever";
+  for (const char* path : {"/api/aim", "/api/recordings", "/api/recordings/20261123-121415-asked/download"})
+    EXPECT_EQ(access.refusal_of(looking_at(path), {}).status, 401U) << "who looks needs the token as ever: " << path;
 }
 
 TEST(WebAccess, TakesAShortBodyOfAToldLength) {

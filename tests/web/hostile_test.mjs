@@ -78,6 +78,53 @@ test("no path leads out of the page's files", async () => {
   }
 });
 
+test("no name of a recording leads out of their folder, and no post makes one of another name", async () => {
+  const kept = fs.mkdtempSync("/dev/shm/ninedot-kept-");
+  const own = await Stage.open({ web: `token_file = "${tokenFile}"\nrecordings = "${kept}"` });
+  const name = "20261123-121415-asked";
+  const secret = path.join(kept, name);
+  fs.mkdirSync(secret);
+  fs.writeFileSync(path.join(secret, "frames.csv"), "root:");
+  for (const target of ["..", "../", "%2e%2e/frames.csv", "..%2f..%2fetc%2fpasswd", "../../etc/passwd", `${name}/../${name}/frames.csv`, `${name}%2fframes.csv`, `${name}/frames.csv%00`, `${name}/frames.csv`,
+    `${name}/download`, `${name}/download/..`, `${name}//etc/passwd`, `${name}/frames/../../x.png`, `${name}/frames/..%2f..%2f00.png`, `${name}/frames/00000/.png`, `.${name}/download`, `.doomed-${name}/frames.csv`,
+    `${"a".repeat(9000)}/download`, `${name}/frames/${"0".repeat(9000)}.png`, "\u00e4/download".normalize("NFD"), "", "/", "?name=.."]) {
+    const answer = await raw(`GET /api/recordings/${target} HTTP/1.1\r\nHost: 127.0.0.1\r\nAuthorization: Bearer ${TOKEN}\r\nConnection: close\r\n\r\n`, 2000, own.port);
+    assert.ok([400, 404, 414, 431, 0].includes(status(answer)), `${target}: ${status(answer)}`);
+    assert.ok(!answer.includes("root:"), target);
+  }
+  const posted = async (body) => status(await raw(`POST /api/recordings HTTP/1.1\r\nHost: 127.0.0.1:${own.port}\r\nOrigin: http://127.0.0.1:${own.port}\r\nAuthorization: Bearer ${TOKEN}\r\nContent-Length: ${body.length}\r\nConnection: close\r\n\r\n${body}`, 2000, own.port));
+  for (const body of ["delete ..", "delete ../../etc", `delete ${name}/..`, `delete ${name}\0`, `delete ${name}\n`, "start ../x", "start\n", "{}", "delete *", `DELETE ${name}`]) assert.equal(await posted(body), 400, JSON.stringify(body));
+  assert.equal(await posted(`delete ${name}`), 404, "it came there after the start, and is none of ours");
+  assert.equal(await posted("x".repeat(129)), 413);
+  assert.ok(fs.existsSync(path.join(secret, "frames.csv")));
+  assert.deepEqual(fs.readdirSync(kept), [name]);
+  assert.deepEqual(await own.close(), [0, 0]);
+  fs.rmSync(kept, { recursive: true });
+});
+
+test("an archive that nobody takes holds its place for a minute at most, and two of them are all", async () => {
+  const kept = fs.mkdtempSync("/dev/shm/ninedot-kept-");
+  const own = await Stage.open({ web: `token_file = "${tokenFile}"\nrecordings = "${kept}"` });
+  const state = async () => JSON.parse((await get(own.port, "/api/recordings", { headers: authorised })).body);
+  const post = (body) => get(own.port, "/api/recordings", { method: "POST", body, headers: { ...authorised, Origin: `http://127.0.0.1:${own.port}`, "Content-Length": body.length } });
+  await post("start");
+  await until("a recording that no socket's buffer takes", async () => (await state()).running?.frames > 80);
+  await post("stop");
+  const [{ name }] = await until("it is kept", async () => { const { recordings } = await state(); return recordings.length && recordings; });
+  const target = `/api/recordings/${name}/download`;
+  const sockets = [0, 1].map(() => net.connect(own.port, "127.0.0.1").on("error", () => {}));
+  for (const socket of sockets) {
+    socket.pause();
+    socket.write(`GET ${target} HTTP/1.1\r\nHost: 127.0.0.1\r\nAuthorization: Bearer ${TOKEN}\r\n\r\n`);
+  }
+  await until("the third is told to wait", async () => (await get(own.port, target, { headers: authorised })).status === 503);
+  assert.ok((await own.live("hostile002", authorised)).number > 0, "all else goes on");
+  for (const socket of sockets) socket.destroy();
+  await until("who left holds no place", async () => (await get(own.port, target, { headers: authorised })).status === 200);
+  assert.deepEqual(await own.close(), [0, 0]);
+  fs.rmSync(kept, { recursive: true });
+});
+
 test("five wrong tokens from an address, and no more are looked at for a while", async () => {
   const own = await Stage.open({ web: `token_file = "${tokenFile}"` });
   const tried = async (token) => (await get(own.port, "/api/map", { headers: { Authorization: `Bearer ${token}` } })).status;

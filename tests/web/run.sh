@@ -24,6 +24,7 @@ fi
 if [[ ${1:-} == pictures ]]; then
   node --test --test-name-pattern "is shown" page_test.mjs
   node --test --test-name-pattern "is shown" aim_test.mjs
+  node --test --test-name-pattern "is shown" recordings_test.mjs
   made=${NINEDOT_WEB_PICTURES:-${NINEDOT_BIN_DIR:-../../build/release/bin}/../web}
   cp "$made/live-light-desktop.png" ../../docs/page-live.png
   cp "$made/focus-light-desktop.png" ../../docs/page-focus.png
@@ -31,9 +32,11 @@ if [[ ${1:-} == pictures ]]; then
   cp "$made/registers-dark-desktop.png" ../../docs/page-registers.png
   cp "$made/map-light-desktop.png" ../../docs/page-map.png
   cp "$made/aim-light-desktop.png" ../../docs/page-aim.png
+  cp "$made/recordings-light-desktop.png" ../../docs/page-recordings.png
   cp "$made/live-dark-phone.png" ../../docs/page-phone.png
   exit
 fi
 node --test page_test.mjs
 node --test aim_test.mjs
+node --test recordings_test.mjs
 node --test hostile_test.mjs

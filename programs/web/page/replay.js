@@ -23,7 +23,9 @@ export class Replay {
     this.playButton = button("replay-play", "Play", "Play or pause (space)", () => this.toggle());
     this.overlayButton = button("replay-overlay", "Overlay", "What was found, drawn over the picture (o)", () => this.toggleOverlay());
     this.overlayButton.setAttribute("aria-pressed", "true");
-    this.slider = element("input", { type: "range", id: "replay-slider", "aria-label": "frame", min: 0, max: 0, value: 0, oninput: () => this.seek(Number(this.slider.value)) });
+    // What the page leaves to whatever is typed into; arrows, Home and End are the slider's own.
+    const typed = (event) => { if ([" ", ",", ".", "o", "Escape"].includes(event.key) && this.onKey(event.key)) event.preventDefault(); };
+    this.slider = element("input", { type: "range", id: "replay-slider", "aria-label": "frame", min: 0, max: 0, value: 0, oninput: () => this.seek(Number(this.slider.value)), onkeydown: typed });
     this.rates = element("select", { id: "replay-rate", "aria-label": "rate", onchange: () => this.setRate(Number(this.rates.value)) },
       ...RATES.map((rate) => element("option", { value: rate, selected: rate === 1 }, `${rate} x`)));
     this.where = element("span.soft", { id: "replay-where" });
