@@ -132,7 +132,7 @@ void RecordingDesk::end_saving(std::string_view why) {
 bool RecordingDesk::save_one() {
   if (!loss_) return false;
   if (saved_ == ring_.size()) {
-    end_saving("whole: the landmark was lost");
+    end_saving("complete");
     return false;
   }
   const TapCopy& copy = ring_.at(saved_++);

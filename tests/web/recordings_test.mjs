@@ -117,7 +117,8 @@ test("what is shown in the replay is what the service reported of that very pict
   const file = async (name) => (await get(own.port, `${PATH}/${one.name}/${name}`, { headers: authorised }));
   const report = JSON.parse((await file("reports/000004.json")).body);
   const csv = (await file("frames.csv")).body.toString().trim().split("\n");
-  assert.equal(report.at_ms.toFixed(2), (Number(csv.find((row) => row.startsWith("4,")).split(",")[1]) / 1e6).toFixed(2));
+  const at = Number(csv.find((row) => row.startsWith("4,")).split(",")[1]) / 1e6;
+  assert.ok(Math.abs(report.at_ms - at) < 14, `${report.at_ms} of a frame of ${at}: another one is 28 ms away`);
   const picture = await file("frames/000004.png");
   assert.equal(picture.headers["content-type"], "image/png");
   assert.ok(picture.body.equals(fs.readFileSync(path.join(own.kept, one.name, "frames/000004.png"))));
@@ -247,7 +248,7 @@ async function stageOfBoth() {
   if (shown) return shown;
   const { name } = await record(40);
   const kept = path.join(folder, "shown");
-  for (const [as, why] of [["20261123-081502-asked", "60 s, `recording_s` of [web], are over"], ["20261123-093012-loss", "whole: the landmark was lost"], ["20261123-101933-loss", "whole: the landmark was lost"]]) {
+  for (const [as, why] of [["20261123-081502-asked", "60 s, `recording_s` of [web], are over"], ["20261123-093012-loss", "complete"], ["20261123-101933-loss", "complete"]]) {
     fs.cpSync(path.join(own.kept, name), path.join(kept, as), { recursive: true });
     fs.writeFileSync(path.join(kept, as, "ended.txt"), why);
   }
