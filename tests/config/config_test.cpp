@@ -37,6 +37,7 @@ std::string header_of(const ConfigKey& key) {
 
 /// What a table needs beside the key that is tried.
 std::string company_of(const ConfigKey& key) {
+  if (key.name == "loss_seconds") return "recordings = \"/var/lib/x\"\n";
   if (key.table == "simulation.robot" && key.name != "t_s") return "t_s = 0\n";
   if (key.name == "from_s") return "to_s = 86400\n";
   if (key.name == "to_s") return "from_s = 0\n";
@@ -239,6 +240,14 @@ TEST(Config, TakesEachKeyAtBothEndsOfItsRangeAndRefusesWhatLiesBeyond) {
     ++checked;
   }
   EXPECT_GT(checked, 20);
+}
+
+TEST(Config, KeepsRecordingsInAFolderThatIsNamedWhole) {
+  EXPECT_EQ(error_of("[web]\nrecordings = \"/var/lib/x\"\nloss_seconds = 3\n"), "no error");
+  EXPECT_EQ(error_of("[web]\nrecordings = \"x\"\n"),
+            "t.toml:2: 'recordings' is 'x'; write a folder that begins with /");
+  EXPECT_EQ(error_of("[web]\n\nloss_seconds = 3\n"),
+            "t.toml:3: 'loss_seconds' needs a folder: write 'recordings' as well");
 }
 
 TEST(Config, RefusesNanAndInfinityInEveryNumber) {
