@@ -50,8 +50,9 @@ class RecordingDeskTest : public testing::Test {
     }
   }
   const ShelfEntry& only() const {
+    static const ShelfEntry kNone;
     EXPECT_EQ(shelf_.entries().size(), 1U);
-    return shelf_.entries().front();
+    return shelf_.entries().empty() ? kNone : shelf_.entries().front();
   }
 
   MemoryFolder folder_;
