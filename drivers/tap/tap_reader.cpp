@@ -103,6 +103,12 @@ void TapReader::announce(TapDemand demand) noexcept {
   services_before_ = load(live->newest_service, std::memory_order_acquire);
 }
 
+bool TapReader::has_newer(const TapCopy& copy) const noexcept {
+  const auto* live = reinterpret_cast<const TapHeader*>(bytes_.at(0));
+  const std::uint64_t newest = load(live->newest_frame, std::memory_order_acquire);
+  return newest > frames_before_ && newest != copy.publication;
+}
+
 bool TapReader::copy_newest(TapCopy& copy) const {
   const auto* live = reinterpret_cast<const TapHeader*>(bytes_.at(0));
   return copy_whole(live->newest_frame, bytes_.at(header_.frame_slots_offset), header_.frame_slot_bytes, frames_before_,

@@ -43,6 +43,8 @@ class TapReader {
   /// \param copy  filled with the newest frame, where it is newer than copy.publication; its memory is used again
   /// \return  whether it was; false also where the writer was too quick three times over
   bool copy_newest(TapCopy& copy) const;
+  /// Whether copy_newest would find one: a look at one word.
+  bool has_newer(const TapCopy& copy) const noexcept;
   /// \param seen  how many publications the caller has seen; updated
   /// \param service  filled likewise
   bool copy_newest(std::uint64_t& seen, TapService& service) const noexcept;

@@ -190,15 +190,16 @@ struct WebConfig {
   std::string listen = "127.0.0.1";  ///< `listen`: IPv4 or IPv6 address
   std::uint16_t port = 8090;         ///< `port`: 1..65535
   std::vector<std::string> names;    ///< `names`: by which browsers call this machine, beside its addresses
-  std::string token_file;        ///< `token_file`: whoever knows what it holds may look; empty = all that can connect
-  std::string certificate, key;  ///< `certificate`, `key`: PEM files for TLS; empty = no TLS
-  double pictures_per_s = 10;    ///< `pictures_per_s`: 0.5..12
-  int quality = 75;              ///< `quality`: 20..95, of the JPEG pictures
-  std::string recordings;        ///< `recordings`: folder that the page's recordings are kept in; empty = none are made
-  int recordings_mb = 500;       ///< `recordings_mb`: 10..1000000, of all of them together
-  int recording_s = 60;          ///< `recording_s`: 1..3600, the longest
-  double loss_seconds = 0;       ///< `loss_seconds`: 0 (off)..30, kept from before each loss of the landmark
-  int losses = 10;               ///< `losses`: 1..100, recordings of losses that are kept
+  std::string token_file;         ///< `token_file`: whoever knows what it holds may look; empty = all that can connect
+  std::string certificate, key;   ///< `certificate`, `key`: PEM files for TLS; empty = no TLS
+  double pictures_per_s = 10;     ///< `pictures_per_s`: 0.5..12
+  double ar_pictures_per_s = 40;  ///< `ar_pictures_per_s`: 0.5..60, while somebody looks at the view AR
+  int quality = 75;               ///< `quality`: 20..95, of the JPEG pictures
+  std::string recordings;   ///< `recordings`: folder that the page's recordings are kept in; empty = none are made
+  int recordings_mb = 500;  ///< `recordings_mb`: 10..1000000, of all of them together
+  int recording_s = 60;     ///< `recording_s`: 1..3600, the longest
+  double loss_seconds = 0;  ///< `loss_seconds`: 0 (off)..30, kept from before each loss of the landmark
+  int losses = 10;          ///< `losses`: 1..100, recordings of losses that are kept
 };
 
 /// [service]

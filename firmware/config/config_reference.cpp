@@ -259,6 +259,11 @@ const std::array kKeysAfterTheHead{
     ConfigKey{"web", "key", "", 0, 0, "", "PEM file of its private key, of mode 600", SLOT(web.key)},
     ConfigKey{"web", "pictures_per_s", "Hz", 0.5, 12, "", "pictures and reports per second, at most",
               SLOT(web.pictures_per_s)},
+    ConfigKey{
+        "web", "ar_pictures_per_s", "Hz", 0.5, 60, "",
+        "those of the view AR, at most: each frame of a camera that is no faster, while somebody looks at it; what "
+        "that costs: docs/page.md",
+        SLOT(web.ar_pictures_per_s)},
     ConfigKey{"web", "quality", "", 20, 95, "", "of the JPEG pictures", SLOT(web.quality)},
     ConfigKey{
         "web", "recordings", "", 0, 0, "",

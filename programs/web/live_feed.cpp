@@ -25,7 +25,7 @@ void LiveFeed::look_for_service(MonoTime now) {
   try {
     tap_.emplace(path_);
     copy_.publication = service_seen_ = 0;
-    reads_ = false;
+    demand_ = TapDemand::kNothing;
     problem_.clear();
   } catch (const StartupError& error) {
     problem_ = error.what();
@@ -39,7 +39,7 @@ void LiveFeed::encode_picture() {
     jpeg_.assign(reinterpret_cast<const char*>(file->data()), file->size());
 }
 
-std::shared_ptr<const LiveMessage> LiveFeed::next(MonoTime now) {
+std::shared_ptr<const LiveMessage> LiveFeed::next(MonoTime now, TapDemand demand) {
   look_for_service(now);
   auto message = std::make_shared<LiveMessage>();
   message->number = ++number_;
@@ -47,10 +47,11 @@ std::shared_ptr<const LiveMessage> LiveFeed::next(MonoTime now) {
     message->json = fmt::format(R"({{"number":{},"problem":{}}})", number_, json_text(problem_));
     return message;
   }
-  if (!reads_) {
-    tap_->announce(TapDemand::kSome);
-    copy_.publication = service_seen_ = 0;
-    reads_ = true;
+  if (demand_ != demand) {
+    tap_->announce(demand);
+    // What was copied before a rest is not of now.
+    if (demand_ == TapDemand::kNothing) copy_.publication = service_seen_ = 0;
+    demand_ = demand;
   }
   const bool is_new = tap_->copy_newest(copy_);
   if (is_new) encode_picture();
@@ -63,9 +64,11 @@ std::shared_ptr<const LiveMessage> LiveFeed::next(MonoTime now) {
   return message;
 }
 
+bool LiveFeed::has_newer() const noexcept { return tap_ && tap_->has_newer(copy_); }
+
 void LiveFeed::rest() noexcept {
-  if (tap_ && reads_) tap_->announce(TapDemand::kNothing);
-  reads_ = false;
+  if (tap_ && demand_ != TapDemand::kNothing) tap_->announce(TapDemand::kNothing);
+  demand_ = TapDemand::kNothing;
 }
 
 }  // namespace ninedot

@@ -7,6 +7,7 @@
 
 #include "base/mono_time.h"
 #include "drivers/picture/jpeg_encoder.h"
+#include "drivers/tap/tap_demand.h"
 #include "drivers/tap/tap_reader.h"
 
 namespace ninedot {
@@ -25,7 +26,10 @@ class LiveFeed {
   LiveFeed(std::string tap_path, int quality) : path_(std::move(tap_path)), quality_(quality) {}
 
   /// The newest state, whatever it is: a service that has gone is a message as well. Opens the tap where that is due.
-  std::shared_ptr<const LiveMessage> next(MonoTime now);
+  /// \param demand  which frames are wanted from now on: kSome or kEvery
+  std::shared_ptr<const LiveMessage> next(MonoTime now, TapDemand demand);
+  /// Whether there is a frame that no message was about yet. No system call.
+  bool has_newer() const noexcept;
   /// Nobody looks: the service is to fill the tap no longer.
   void rest() noexcept;
 
@@ -38,7 +42,7 @@ class LiveFeed {
   std::optional<TapReader> tap_;
   std::string problem_;  // why there is no tap_
   MonoTime looked_at_{};
-  bool reads_ = false;
+  TapDemand demand_ = TapDemand::kNothing;  // as tap_ was told
   TapCopy copy_;
   std::uint64_t service_seen_ = 0;
   TapService service_;

@@ -21,6 +21,7 @@ class Viewers {
     std::string viewer;  ///< the name that the page chose for itself
     MonoTime seen_at{};
     std::uint64_t served = 0;  ///< the newest message that it was given [1]
+    bool wants_every = false;  ///< by its last request: each frame, not some
   };
 
   /// The seat of this viewer, a free one if it has none yet; null: all are taken.
@@ -28,10 +29,15 @@ class Viewers {
   /// How many look. \param now  the moment that is meant
   std::size_t count(MonoTime now) const noexcept;
 
+  /// Whether one of them wants every frame.
+  bool want_every(MonoTime now) const noexcept;
+
   /// A name as pages choose it: 8 to 32 letters and digits.
   static bool is_name(std::string_view viewer) noexcept;
 
  private:
+  static bool is_taken(const Seat& seat, MonoTime now) noexcept;
+
   std::array<Seat, kSeats> seats_;
 };
 

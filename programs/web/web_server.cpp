@@ -35,8 +35,16 @@
 namespace ninedot {
 namespace {
 
+using namespace std::chrono_literals;
+
 constexpr std::size_t kRequestMemory_bytes = std::size_t{16} * 1024;
 constexpr std::size_t kMaxPem_bytes = std::size_t{64} * 1024;
+// How late a frame may be noticed where each one is wanted: a tenth of the time between two at 35 Hz.
+constexpr auto kLookForFrame = 3ms;
+
+std::chrono::nanoseconds period_of(double rate_hz) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(1 / rate_hz));
+}
 
 sockaddr_storage address_of(const WebConfig& web) {
   sockaddr_storage storage{};
@@ -99,6 +107,8 @@ class WebServer::Daemon {
  public:
   explicit Daemon(WebServerOptions options)
       : options_(std::move(options)),
+        period_(period_of(options_.web.pictures_per_s)),
+        every_period_(period_of(std::max(options_.web.ar_pictures_per_s, options_.web.pictures_per_s))),
         access_(options_.rules),
         recordings_(options_.recorder),
         feed_(options_.tap_path, options_.web.quality),
@@ -117,32 +127,23 @@ class WebServer::Daemon {
   Daemon& operator=(const Daemon&) = delete;
 
   void run(const std::function<bool()>& is_over) {
-    using namespace std::chrono_literals;
-    const std::chrono::duration<double> period_s(1 / options_.web.pictures_per_s);
-    const auto period = std::chrono::duration_cast<std::chrono::nanoseconds>(period_s);
-    MonoTime due = mono_now();
+    MonoTime due = mono_now();  // when those get a message who want some frames, not every one
     while (!is_over()) {
       close_slow_connections(mono_now());
-      bool has_viewers = false;
-      {
-        std::unique_lock lock(mutex_);
-        has_viewers = viewers_.count(mono_now()) > 0;
-        if (!has_viewers) somebody_.wait_for(lock, 200ms, [&] { return viewers_.count(mono_now()) > 0; });
-      }
-      if (!has_viewers) {
+      const TapDemand demand = wait_for_viewers();
+      const MonoTime now = mono_now();
+      if (demand == TapDemand::kNothing) {
         feed_.rest();
-        due = mono_now();
+        due = now;
         continue;
       }
       // The feed is this thread's alone; only the finished message is shared.
-      const auto message = feed_.next(mono_now());
-      {
-        const std::lock_guard lock(mutex_);
-        message_ = message;
-        resume_all();
-      }
-      due = std::max(due + period, mono_now());
-      std::this_thread::sleep_until(due);
+      hand_out(feed_.next(now, demand), now >= due);
+      if (now >= due) due = std::max(due + period_, mono_now());
+      if (demand == TapDemand::kSome)
+        std::this_thread::sleep_until(due);
+      else
+        wait_for_frame(now);
     }
   }
 
@@ -153,6 +154,29 @@ class WebServer::Daemon {
     bool is_answered = false;  // its request is whole
     InlineVector<char, kMostBody_bytes> body;
   };
+
+  /// What those who look want: nothing where nobody has come for a fifth of a second.
+  TapDemand wait_for_viewers() {
+    std::unique_lock lock(mutex_);
+    const bool has_viewers = viewers_.count(mono_now()) > 0;
+    if (!has_viewers) somebody_.wait_for(lock, 200ms, [&] { return viewers_.count(mono_now()) > 0; });
+    if (!has_viewers) return TapDemand::kNothing;
+    return viewers_.want_every(mono_now()) ? TapDemand::kEvery : TapDemand::kSome;
+  }
+
+  void hand_out(std::shared_ptr<const LiveMessage> message, bool is_for_all) {
+    const std::lock_guard lock(mutex_);
+    if (is_for_all) newest_for_all_ = message->number;
+    message_ = std::move(message);
+    resume_all();
+  }
+
+  /// Until the frame after that of `since`, or for as long as anybody is ever left without a message. The tap wakes
+  /// nobody: the frame loop would have to.
+  void wait_for_frame(MonoTime since) {
+    std::this_thread::sleep_until(since + every_period_);
+    while (!feed_.has_newer() && mono_now() - since < period_) std::this_thread::sleep_for(kLookForFrame);
+  }
 
   void start() {
     const WebConfig& web = options_.web;
@@ -267,9 +291,11 @@ class WebServer::Daemon {
       return send_text(connection, MHD_HTTP_SERVICE_UNAVAILABLE,
                        "Sixteen pages are looking already: close one of them, this one tries again by itself.\n",
                        kPlainText, true);
+    seat->wants_every = argument_of(connection, "every") == "1";
     somebody_.notify_one();
     if (ending_) return MHD_NO;
-    if (message_ && message_->number > seat->served && now - made_at_ < std::chrono::seconds(1)) {
+    const std::uint64_t newest = seat->wants_every && message_ ? message_->number : newest_for_all_;
+    if (message_ && newest > seat->served && now - made_at_ < std::chrono::seconds(1)) {
       seat->served = message_->number;
       const auto message = message_;
       lock.unlock();
@@ -331,9 +357,10 @@ class WebServer::Daemon {
   }
 
   const WebServerOptions options_;
-  Access access_;             // of the library's thread
-  RecordingsApi recordings_;  // likewise
-  LiveFeed feed_;             // of the caller's of run()
+  const std::chrono::nanoseconds period_, every_period_;  // of messages, at least
+  Access access_;                                         // of the library's thread
+  RecordingsApi recordings_;                              // likewise
+  LiveFeed feed_;                                         // of the caller's of run()
   const std::string registers_json_;
   std::string key_, certificate_;
 
@@ -343,6 +370,7 @@ class WebServer::Daemon {
   std::array<Guest, kConnections> guests_;
   std::vector<MHD_Connection*> waiting_;
   std::shared_ptr<const LiveMessage> message_;
+  std::uint64_t newest_for_all_ = 0;  // number of the last one for those who want some frames
   MonoTime made_at_{};
   bool ending_ = false;
 

@@ -35,6 +35,17 @@ TEST(WebViewers, StartAnewWithTheNewestMessage) {
   EXPECT_EQ(viewers.seat_of(viewer(0), MonoTime{20s})->served, 0U);
 }
 
+TEST(WebViewers, WantEveryFrameForAsLongAsOneOfThemDoes) {
+  Viewers viewers;
+  EXPECT_FALSE(viewers.want_every(MonoTime{10s}));
+  viewers.seat_of(viewer(0), MonoTime{10s});
+  viewers.seat_of(viewer(1), MonoTime{10s})->wants_every = true;
+  viewers.seat_of(viewer(0), MonoTime{14s});
+  EXPECT_TRUE(viewers.want_every(MonoTime{14s}));
+  EXPECT_FALSE(viewers.want_every(MonoTime{15s})) << "the one that did has left";
+  EXPECT_FALSE(viewers.seat_of(viewer(1), MonoTime{16s})->wants_every) << "who comes back says it anew";
+}
+
 TEST(WebViewers, HavePlainNames) {
   EXPECT_TRUE(Viewers::is_name("0123abcdXYZ"));
   for (const char* name : {"", "short", "with space", "quote\"quote", "0123456789012345678901234567890123",
