@@ -18,6 +18,10 @@ install(TARGETS ninedot-web RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONEN
 install(FILES systemd/ninedot-web.service DESTINATION lib/systemd/system COMPONENT web)
 install(FILES systemd/ninedot-web.sysusers DESTINATION lib/sysusers.d RENAME ninedot-web.conf COMPONENT web)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ninedot-web RENAME copyright COMPONENT web)
+get_property(NINEDOT_AR_LICENCE GLOBAL PROPERTY NINEDOT_AR_LICENCE)
+if(NINEDOT_AR_LICENCE)
+  install(FILES ${NINEDOT_AR_LICENCE} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ninedot-web RENAME copyright.three.js COMPONENT web)
+endif()
 
 set(NINEDOT_PACKAGE_REVISION 1 CACHE STRING "Debian revision of the package")
 set(CPACK_GENERATOR DEB)

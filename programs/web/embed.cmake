@@ -1,5 +1,6 @@
-# Writes the files of a folder as C++ arrays: cmake -DFOLDER=page -DOUTPUT=page_files.cpp -P embed.cmake
+# Writes the files of a folder, and one more, as C++ arrays: cmake -DFOLDER=page -DMORE=three.js -DOUTPUT=page_files.cpp -P embed.cmake
 file(GLOB FILES ${FOLDER}/*)
+list(APPEND FILES ${MORE})
 set(arrays)
 set(table)
 set(number 0)

@@ -19,6 +19,7 @@ export class Feed {
     Object.assign(this, { onMessage, onTrouble, onToken });
     this.viewer = Array.from(crypto.getRandomValues(new Uint8Array(12)), (byte) => byte.toString(16).padStart(2, "0")).join("");
     this.wantsPicture = true;
+    this.wantsEvery = false;
     this.newest = null;
     this.hasTried = false;
     this.isRunning = false;
@@ -47,7 +48,7 @@ export class Feed {
   }
 
   async next() {
-    const response = await authorised(`/api/live?viewer=${this.viewer}&picture=${this.wantsPicture ? 1 : 0}`, { signal: AbortSignal.timeout(8000) });
+    const response = await authorised(`/api/live?viewer=${this.viewer}&picture=${this.wantsPicture ? 1 : 0}${this.wantsEvery ? "&every=1" : ""}`, { signal: AbortSignal.timeout(8000) });
     if (response.status === 401 || response.status === 429) {
       this.isRunning = false;
       return this.onToken(await response.text());

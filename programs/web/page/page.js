@@ -8,9 +8,10 @@ import { RegistersView } from "./registers.js";
 import { MapView } from "./map.js";
 import { AimView } from "./aim.js";
 import { RecordingsView } from "./recordings.js";
+import { ArView } from "./ar.js";
 
 const $ = (id) => document.getElementById(id);
-const VIEWS = { live: LiveView, focus: FocusView, health: HealthView, registers: RegistersView, map: MapView, aim: AimView, recordings: RecordingsView };
+const VIEWS = { live: LiveView, focus: FocusView, health: HealthView, registers: RegistersView, map: MapView, aim: AimView, recordings: RecordingsView, ar: ArView };
 const THEMES = ["system", "light", "dark"];
 
 const history = new History();
@@ -36,6 +37,7 @@ function show(next) {
   main.replaceChildren();
   view = new VIEWS[name](main, shared);
   feed.wantsPicture = Boolean(view.wantsPicture);
+  feed.wantsEvery = Boolean(view.wantsEvery);
   for (const link of document.querySelectorAll("nav a")) {
     if (link.dataset.view === name) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");

@@ -10,7 +10,8 @@ export function rotationOf([w, x, y, z]) {
 export const times = (m, v) => m.map((row) => row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
 export const transposedTimes = (m, v) => [0, 1, 2].map((i) => m[0][i] * v[0] + m[1][i] * v[1] + m[2][i] * v[2]);
 
-function distorted(lens, k, x, y) {
+// Where a ray through (x, y, 1) meets the picture's plane, in units of the focal length.
+export function distorted(lens, k, x, y) {
   const r2 = x * x + y * y;
   if (lens === 2) {
     const r = Math.sqrt(r2);
