@@ -25,6 +25,7 @@ if [[ ${1:-} == pictures ]]; then
   node --test --test-name-pattern "is shown" page_test.mjs
   node --test --test-name-pattern "is shown" aim_test.mjs
   node --test --test-name-pattern "is shown" recordings_test.mjs
+  node --test --test-name-pattern "is shown" ar_test.mjs
   made=${NINEDOT_WEB_PICTURES:-${NINEDOT_BIN_DIR:-../../build/release/bin}/../web}
   cp "$made/live-light-desktop.png" ../../docs/page-live.png
   cp "$made/focus-light-desktop.png" ../../docs/page-focus.png
@@ -33,10 +34,16 @@ if [[ ${1:-} == pictures ]]; then
   cp "$made/map-light-desktop.png" ../../docs/page-map.png
   cp "$made/aim-light-desktop.png" ../../docs/page-aim.png
   cp "$made/recordings-light-desktop.png" ../../docs/page-recordings.png
+  cp "$made/ar-light-desktop.png" ../../docs/page-ar.png
   cp "$made/live-dark-phone.png" ../../docs/page-phone.png
   exit
 fi
 node --test page_test.mjs
 node --test aim_test.mjs
 node --test recordings_test.mjs
+if [[ -d ../../programs/web/ar/node_modules ]]; then
+  node --test ar_test.mjs
+else
+  echo "tests/web: the view AR: LEFT OUT: ./dev ar fetches what it draws with; then build ninedot-web again" >&2
+fi
 node --test hostile_test.mjs

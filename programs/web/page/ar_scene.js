@@ -5,8 +5,10 @@ import { rotationOf, times, transposedTimes } from "./projection.js";
 
 const NEAR_M = 0.02;
 const FAR_M = 200;
-// No finer than this many times the picture: more would only flicker.
-const FINEST = 1.5;
+// The drawing has as many pixels as the picture at its middle, and half as many more where nothing else smooths its edges.
+const [FINE, FINER] = [1, 1.5];
+// Only that of a fisheye that sees half of all around is coarser.
+const MOST_PX = 2048;
 
 const VERTEX = `
 attribute vec3 ray;
@@ -18,11 +20,12 @@ void main() {
   gl_Position = vec4(position.xy, 0.0, 1.0);
 }`;
 
-// drawn: colours times their cover, linear; window: least x, least y, 1 / width, 1 / height.
+// drawn: colours times their cover, linear, in the part of it that is used; window: least x, least y, 1 / width, 1 / height.
 const FRAGMENT = `
 uniform sampler2D picture;
 uniform sampler2D drawn;
 uniform vec4 window;
+uniform vec2 used;
 uniform float cover;
 varying vec3 vRay;
 varying vec2 vPicture;
@@ -33,7 +36,7 @@ void main() {
   vec3 colour = texture2D(picture, vPicture).rgb;
   vec2 at = (vRay.xy - window.xy) * window.zw;
   if (vRay.z > 0.999 && at == clamp(at, 0.0, 1.0)) {
-    vec4 model = texture2D(drawn, vec2(at.x, 1.0 - at.y));
+    vec4 model = texture2D(drawn, used * vec2(at.x, 1.0 - at.y));
     colour = mix(colour, encoded(model.rgb / max(model.a, 0.001)), model.a * cover);
   }
   gl_FragColor = vec4(colour, 1.0);
@@ -86,6 +89,7 @@ export class ArScene {
     this.picture = Object.assign(new three.Texture(), { flipY: false, generateMipmaps: false, minFilter: three.LinearFilter, colorSpace: three.NoColorSpace });
     // Smooth edges would cost a processor twice as much as all the rest.
     this.target = new three.WebGLRenderTarget(1, 1, { samples: this.isSoftware ? 0 : 4, colorSpace: three.SRGBColorSpace });
+    this.target.scissorTest = true;
     this.camera = Object.assign(new three.PerspectiveCamera(), { matrixAutoUpdate: false });
     this.flat = new three.Scene();
     this.scene = new three.Scene();
@@ -94,7 +98,7 @@ export class ArScene {
     sun.position.set(-1, 2, 1.5);
     this.scene.add(new three.HemisphereLight(0xffffff, 0x808890, 1.6), sun, this.standing);
     this.material = new three.ShaderMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, depthTest: false, depthWrite: false,
-      uniforms: { picture: { value: this.picture }, drawn: { value: this.target.texture }, window: { value: [0, 0, 1, 1] }, cover: { value: 0 } } });
+      uniforms: { picture: { value: this.picture }, drawn: { value: this.target.texture }, window: { value: [0, 0, 1, 1] }, used: { value: [1, 1] }, cover: { value: 0 } } });
   }
 
   setModel(object) {
@@ -103,8 +107,8 @@ export class ArScene {
       free(this.model);
     }
     this.model = object;
+    this.box = new this.three.Box3().setFromObject(object);  // its own: before it stands anywhere
     this.standing.add(object);
-    this.box = new this.three.Box3().setFromObject(object);
     return this.box;
   }
 
@@ -152,7 +156,7 @@ export class ArScene {
 
   // The part of the pinhole's plane that the model is in, so that the drawing is as fine as the picture whatever the lens;
   // null: the model is nowhere in sight.
-  windowOf(camera, width, height) {
+  windowOf(camera) {
     const [x0, y0, x1, y1] = this.window;
     const corner = new this.three.Vector3();
     const seen = [x1, y1, x0, y0];
@@ -168,13 +172,10 @@ export class ArScene {
     }
     const window = [Math.max(x0, seen[0]), Math.max(y0, seen[1]), Math.min(x1, seen[2]), Math.min(y1, seen[3])];
     if (window[0] >= window[2] || window[1] >= window[3]) return null;
-    const pixel = camera.width / width;
-    [width, height].forEach((pixels, n) => {
-      const least = (pixels * pixel) / (FINEST * camera.intrinsics[n]);
-      const more = Math.max(0, least - (window[n + 2] - window[n])) / 2 + (2 * pixel) / camera.intrinsics[n];
-      window[n] -= more;
-      window[n + 2] += more;
-    });
+    for (const n of [0, 1]) {
+      window[n] -= 2 / camera.intrinsics[n];
+      window[n + 2] += 2 / camera.intrinsics[n];
+    }
     return window;
   }
 
@@ -186,25 +187,32 @@ export class ArScene {
     const scale = this.isSoftware ? 1 : Math.min(2, Math.max(1, (canvas.clientWidth * ratio) / camera.width));
     const [width, height] = [camera.width, camera.height].map((size) => Math.round(size * scale));
     if (canvas.width !== width || canvas.height !== height) renderer.setSize(width, height, false);
-    if (target.width !== width || target.height !== height) target.setSize(width, height);
+    this.pixels = [0, 1].map((n) => scale * (this.isSoftware ? FINER : FINE) * camera.intrinsics[n]);
+    const room = this.pixels.map((pixels, n) => Math.min(MOST_PX, Math.ceil(pixels * (this.window[n + 2] - this.window[n])) + 8));
+    if (target.width !== room[0] || target.height !== room[1]) target.setSize(...room);
     if (picture.image !== bitmap) {
       if (picture.image && (picture.image.width !== bitmap.width || picture.image.height !== bitmap.height)) picture.dispose();
       Object.assign(picture, { image: bitmap, needsUpdate: true });
     }
-    uniforms.cover.value = place && this.model && this.drawModel(camera, frame, place, width, height) ? 1 : 0;
+    uniforms.cover.value = place && this.model && this.drawModel(camera, frame, place) ? 1 : 0;
     renderer.setRenderTarget(null);
     renderer.render(this.flat, this.camera);
   }
 
-  drawModel(camera, frame, place, width, height) {
+  drawModel(camera, frame, place) {
     this.stand(frame, place);
     this.look(frame.in_landmark);
-    const window = this.windowOf(camera, width, height);
+    const window = this.windowOf(camera);
     if (!window) return false;
     const [x0, y0, x1, y1] = window;
     this.camera.projectionMatrix.makePerspective(x0 * NEAR_M, x1 * NEAR_M, -y0 * NEAR_M, -y1 * NEAR_M, NEAR_M, FAR_M);
     this.camera.projectionMatrixInverse.copy(this.camera.projectionMatrix).invert();
     this.material.uniforms.window.value = [x0, y0, 1 / (x1 - x0), 1 / (y1 - y0)];
+    const room = [this.target.width, this.target.height];
+    const used = this.pixels.map((pixels, n) => Math.max(1, Math.min(room[n], Math.round(pixels * (window[n + 2] - window[n])))));
+    this.material.uniforms.used.value = used.map((pixels, n) => pixels / room[n]);
+    this.target.viewport.set(0, 0, ...used);
+    this.target.scissor.set(0, 0, ...used);
     this.renderer.setRenderTarget(this.target);
     this.renderer.clear();
     this.renderer.render(this.scene, this.camera);
