@@ -99,7 +99,7 @@ const STRONG = {
 const PLAIN = { model: "plumb_bob", k: [0, 0, 0, 0, 0], f: 720, width: 640, height: 480 };
 const CASES = {
   "from the side": { recording: "tilt", lens: PLAIN },
-  "a landmark near the border of a lens": { recording: "distorted", lens: { ...PLAIN, k: [-0.12, 0.05, 0.0008, -0.0005, 0] } },
+  "a landmark near the border of a lens": { recording: "distorted", above: [40, 70, -30], lens: { ...PLAIN, k: [-0.12, 0.05, 0.0008, -0.0005, 0] } },
   ...Object.fromEntries(Object.entries(STRONG).map(([model, lens]) => [`a strong lens, ${model}, near the corner`, { lens }])),
 };
 
@@ -108,7 +108,7 @@ function walk({ at }) {
   return Array.from({ length: 12 }, (_, i) => [60 - 10 * i, 520 + 14 * i, 30 + 6 * i]).map((mm) => looking(mm, mm.map((value, i) => (i === 1 ? 0 : value + at[i]))));
 }
 
-for (const [name, { recording, lens }] of Object.entries(CASES))
+for (const [name, { recording, lens, above: told }] of Object.entries(CASES))
   test(`what stands on a dot is drawn where the picture shows the dot: ${name}`, async (t) => {
     let own = path.join(SOURCE, "tests/recordings", recording ?? "");
     let truth;
@@ -121,7 +121,7 @@ for (const [name, { recording, lens }] of Object.entries(CASES))
     const { page, close } = await open({ on });
     await standing(page);
     // One in front of the sheet, where it hides no dot and is in the picture.
-    const above = lens.at ? [130 * Math.sign(lens.at[0]), 70, 60 * Math.sign(lens.at[2])] : [0, 70, -150];
+    const above = told ?? (lens.at ? [130 * Math.sign(lens.at[0]), 70, 60 * Math.sign(lens.at[2])] : [0, 70, -150]);
     const worst = { seen: 0, truth: 0, corner: 0 };
     for (let round = 0; round < 3; ++round) {
       if (round) {
