@@ -163,9 +163,12 @@ for (const [name, { recording, lens, above: told }] of Object.entries(CASES))
 for (const theme of ["light", "dark"])
   for (const size of Object.keys(SIZES))
     test(`the view is shown, ${theme}, on a ${size}`, async () => {
-      const near = await Stage.open({ recording: "positions" });
+      // So slow that the near frame can be held.
+      const near = await Stage.open({ camera: `source = "recording"\ndevice = "${path.join(SOURCE, "tests/recordings/positions")}"\nrate_hz = 1.0` });
       const { page, close } = await open({ on: near, theme, size });
       await standing(page);
+      await page.getByText("Upright").click();
+      await page.locator("h1").click();
       await until("a near one", async () => Number(/distance([\d]+)/.exec(await page.locator("#ar-facts").textContent())[1]) < 800);
       await page.keyboard.press("f");
       const overflow = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);

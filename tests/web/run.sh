@@ -34,7 +34,7 @@ if [[ ${1:-} == pictures ]]; then
   cp "$made/map-light-desktop.png" ../../docs/page-map.png
   cp "$made/aim-light-desktop.png" ../../docs/page-aim.png
   cp "$made/recordings-light-desktop.png" ../../docs/page-recordings.png
-  cp "$made/ar-light-desktop.png" ../../docs/page-ar.png
+  cp "$made/ar-dark-desktop.png" ../../docs/page-ar.png
   cp "$made/live-dark-phone.png" ../../docs/page-phone.png
   exit
 fi
