@@ -7,6 +7,8 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
+#include <iterator>
+#include <map>
 #include <utility>
 
 #include "base/baud_rates.h"
@@ -194,12 +196,13 @@ int ConfigProblems::line_of(std::string_view key) const {
 }
 
 bool ConfigProblems::is_in(std::string_view table) const {
-  // The table of a line is that of the nearest key above.
-  const auto table_at = [this](int line) {
-    std::string_view nearest;
-    int best = 0;
-    for (const auto& [key, at] : lines)
-      if (at <= line && at >= best) best = at, nearest = key;
+  // The table of a line is that of the nearest key above. By line, so that a file of nothing but mistakes, thousands of
+  // them, costs no more than reading it.
+  std::map<int, std::string_view> keys;
+  for (const auto& [key, at] : lines) keys[at] = key;
+  const auto table_at = [&](int line) {
+    const auto below = keys.upper_bound(line);
+    const std::string_view nearest = below == keys.begin() ? std::string_view() : std::prev(below)->second;
     return nearest.substr(0, nearest.find('.'));
   };
   return std::ranges::any_of(list, [&](const ConfigProblem& problem) {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+
 #include <array>
 #include <fstream>
 #include <sstream>
@@ -385,6 +387,44 @@ TEST(DefaultConfiguration, CanBeUncommentedLineByLine) {
   }
   EXPECT_GT(uncommented, 30);
   EXPECT_EQ(error_of(text), "no error") << text;
+}
+
+TEST(Config, OutlivesKeysOfDotsWithoutEnd) {
+  std::string deep;
+  for (int i = 0; i < 100000; ++i) deep += "a.";
+  for (const std::string& text : {deep + "b = 1", "[" + deep + "b]", "x = [{" + deep + "b = 1}]", deep + "b = 1\nx = [",
+                                  "\n\n" + deep + "b = 1", "# " + deep}) {
+    ConfigProblems problems;
+    read_config_text(text, "test.toml", problems);
+    ASSERT_EQ(problems.list.size(), 1U);
+    EXPECT_FALSE(problems.can_be_read);
+    EXPECT_EQ(problems.list[0].line, text.starts_with('\n') ? 3 : 1);
+  }
+}
+
+TEST(Config, TakesListsOfManyNumbersAndAddresses) {
+  std::string numbers, addresses;
+  for (int i = 0; i < 1000; ++i) numbers += fmt::format("{}[{}.5, {}.5]", i == 0 ? "" : ", ", i, 1000 + i);
+  for (int i = 0; i < 250; ++i) addresses += fmt::format("{}\"10.0.{}.1\"", i == 0 ? "" : ", ", i);
+  ConfigProblems problems;
+  const Config config = read_config_text(
+      fmt::format("[pan_tilt.pan]\ncalibration = [{}]\n[modbus.tcp]\nallow = [{}]\n", numbers, addresses), "test.toml",
+      problems);
+  EXPECT_TRUE(problems.can_be_read);
+  EXPECT_EQ(config.modbus_tcp.allow.size(), 250U);
+  EXPECT_EQ(config.pan_tilt.pan.calibration.size(), 1000U);
+}
+
+TEST(Config, IsInFindsTheTableOfEachMistakeSoonHoweverManyThereAre) {
+  std::string text = "[camera]\nrate_hz = 0\n[track]\n";
+  for (int i = 0; i < 20000; ++i) text += fmt::format("k{} = 1\n", i);
+  ConfigProblems problems;
+  read_config_text(text, "test.toml", problems);
+  const auto started = std::chrono::steady_clock::now();
+  EXPECT_TRUE(problems.is_in("camera"));
+  EXPECT_TRUE(problems.is_in("track"));
+  EXPECT_FALSE(problems.is_in("modbus"));
+  EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(2));
 }
 
 }  // namespace
