@@ -38,7 +38,8 @@ class WebServer {
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
-  /// Makes messages for those who look, until `is_over` says so; asked about ten times a second.
+  /// Makes messages for those who look, until `is_over` says so; asked with each message, ten times a second where
+  /// nobody wants every frame.
   void run(const std::function<bool()>& is_over);
 
  private:
