@@ -158,10 +158,11 @@ bool RecordingShelf::remove(std::string_view name) {
   const auto entry =
       std::find_if(entries_.begin(), entries_.end(), [&](const ShelfEntry& e) { return e.name == name; });
   if (entry == entries_.end()) return false;
+  // Before it leaves the list, whose own text `name` may be.
+  const std::string path = path_of(name), doomed = fmt::format("{}/{}{}", folder_, kDoomed, name);
   entries_.erase(entry);
-  const std::string doomed = fmt::format("{}/{}{}", folder_, kDoomed, name);
   std::error_code error;
-  fs::rename(path_of(name), doomed, error);
+  fs::rename(path, doomed, error);
   fs::remove_all(doomed, error);
   return true;
 }
