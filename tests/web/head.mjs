@@ -2,7 +2,7 @@
 import fs from "node:fs";
 import path from "node:path";
 
-import { Modbus, Stage, get, pause, until } from "./stage.mjs";
+import { Modbus, STANDING_ROBOT, Stage, get, pause, until } from "./stage.mjs";
 
 export const TOKEN = "0123456789abcdef0123456789abcdef";
 const PAN = 37, COMMAND = 100, PAN_SET_POINT = 105, HEAD_STATE = 146;
@@ -33,16 +33,7 @@ slew_deg_per_s = 350
 min_deg = -30
 max_deg = 30
 slew_deg_per_s = 350
-[simulation]
-duration_s = 3600.0
-camera_delay_ms = 20.0
-[[simulation.robot]]
-t_s = 0.0
-x_mm = 0.0
-y_mm = 1500.0
-z_mm = 1200.0
-heading_deg = -90.0
-[simulation.servo]
+${STANDING_ROBOT}[simulation.servo]
 speed_deg_s = 353.0
 acceleration_deg_s2 = 6000.0
 delay_ms = 20.0

@@ -5,7 +5,7 @@ import fs from "node:fs";
 import path from "node:path";
 import { after, afterEach, before, test } from "node:test";
 
-import { BIN, PICTURES, SOURCE, Stage, browser, get, openPage, pause, until } from "./stage.mjs";
+import { BIN, PICTURES, SOURCE, STANDING_ROBOT, Stage, browser, get, openPage, pause, until } from "./stage.mjs";
 
 const TOKEN = "0123456789abcdef0123456789abcdef";
 const PATH = "/api/recordings";
@@ -206,16 +206,7 @@ const HIDING = {
   extra: `[[landmarks]]
 id = 1
 position_mm = [0.0, 0.0, 1200.0]
-[simulation]
-duration_s = 3600.0
-camera_delay_ms = 20.0
-[[simulation.robot]]
-t_s = 0.0
-x_mm = 0.0
-y_mm = 1500.0
-z_mm = 1200.0
-heading_deg = -90.0
-[[simulation.hidden]]
+${STANDING_ROBOT}[[simulation.hidden]]
 from_s = 6.0
 to_s = 9.0
 `,

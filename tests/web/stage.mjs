@@ -103,6 +103,18 @@ export class Modbus {
   }
 }
 
+// Looks straight at a landmark that hangs at x and y 0, 1200 mm high.
+export const STANDING_ROBOT = `[simulation]
+duration_s = 3600.0
+camera_delay_ms = 20.0
+[[simulation.robot]]
+t_s = 0.0
+x_mm = 0.0
+y_mm = 1500.0
+z_mm = 1200.0
+heading_deg = -90.0
+`;
+
 // options: {recording, camera: text under [camera] in its place, web: text under [web], extra: further configuration}
 export class Stage {
   static async open(options = {}) {

@@ -72,7 +72,7 @@ export class Replay {
   get(index) {
     if (!this.kept.has(index)) {
       this.kept.set(index, this.fetch(this.frames[index].number).catch(() => null));
-      const far = [...this.kept.keys()].filter((one) => one < this.index - 2 || one > this.index + AHEAD);
+      const far = [...this.kept.keys()].filter((one) => one !== this.shownIndex && (one < this.index - 2 || one > this.index + AHEAD));
       for (const one of far.slice(0, Math.max(0, this.kept.size - KEPT))) {
         this.kept.get(one).then((frame) => frame?.picture.close());
         this.kept.delete(one);
@@ -97,6 +97,7 @@ export class Replay {
     // Where somebody went on meanwhile, that frame is shown.
     if (this.isOver || wanted !== this.index) return;
     this.shown = frame;
+    this.shownIndex = wanted;
     this.redraw();
     this.tell(frame);
   }
