@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "programs/web/live_json.h"
 
 namespace ninedot {
@@ -40,8 +42,8 @@ std::string recordings_json(const RecordingState& state, const RecordingsContext
                             : state.is_awaited  ? "starting"
                                                 : "idle";
   std::string list;
-  for (auto entry = state.entries.rbegin(); entry != state.entries.rend(); ++entry)
-    list.append(list.empty() ? "" : ",").append(entry_json(*entry));
+  std::for_each(state.entries.rbegin(), state.entries.rend(),
+                [&list](const ShelfEntry& entry) { list.append(list.empty() ? "" : ",").append(entry_json(entry)); });
   const std::string loss =
       fmt::format(R"({{"phase":"{}","before_ms":{},"spacing_ms":{},"skipped":{},"memory":{}}})", phase_name(state),
                   ms(state.before), ms(state.spacing), state.skipped, state.ring_bytes);
