@@ -318,9 +318,9 @@ test("what it draws with is given back whenever the view is left", async () => {
   for (let i = 0; i < 20; ++i) {
     await page.waitForFunction((count) => window.made.length === count, i + 1);
     if (i % 5 === 0) await page.waitForFunction(() => document.querySelector("#picture")?.dataset.frame > 0);
-    await page.keyboard.press("5");
+    await page.click("nav a[data-view=map]");
     await page.waitForSelector("#plan");
-    await page.keyboard.press("7");
+    await page.click("nav a[data-view=ar]");
   }
   await page.waitForFunction(() => window.made.length === 21);
   assert.deepEqual(await page.evaluate(() => window.made.map((one) => one.isContextLost()).filter((isLost) => !isLost).length), 1, "contexts that are still held");
@@ -333,7 +333,7 @@ test("a browser without WebGL, and a build without three.js, are told in one lin
   const without = await openPage(flat, stage, "ar");
   await without.page.waitForFunction(() => /No AR here.*no WebGL 2/.test(document.querySelector("#ar-state").textContent));
   assert.equal(await without.page.locator("#picture:visible, .controls:visible").count(), 0);
-  await without.page.keyboard.press("1");
+  await without.page.click("nav a[data-view=live]");
   await without.page.waitForFunction(() => document.querySelector("#verdict"));
   await without.close();
   await flat.close();
