@@ -103,6 +103,15 @@ FileReplacement::~FileReplacement() {
   if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
+Result<std::size_t> FileReplacement::keep_rights(const std::string& model) noexcept {
+  struct stat status {};
+  if (::stat(model.c_str(), &status) != 0) return fail(Errc::kIo, "is not there to be replaced", errno);
+  // The owner first: a change of it takes bits of the mode away.
+  if (::fchown(file_.get(), status.st_uid, status.st_gid) != 0 || ::fchmod(file_.get(), status.st_mode & 07777U) != 0)
+    return fail(Errc::kIo, "can't be given the owner and mode of the file that it replaces", errno);
+  return 0;
+}
+
 Result<std::size_t> FileReplacement::write(std::span<const std::uint8_t> bytes, WriteFunction write_bytes) noexcept {
   return write_all(file_.get(), bytes, write_bytes);
 }
@@ -117,6 +126,13 @@ Result<std::size_t> FileReplacement::commit(Durability durability) noexcept {
   temporary_.clear();
   if (const int error = is_synced ? sync_folder_of(path_) : 0; error != 0)
     return fail(Errc::kIo, "is written, but a power cut may undo it", error);
+  return 0;
+}
+
+Result<std::size_t> move_whole_file(const std::string& from, const std::string& to) {
+  if (std::rename(from.c_str(), to.c_str()) != 0) return fail(Errc::kIo, "cannot be renamed", errno);
+  if (const int error = sync_folder_of(to); error != 0)
+    return fail(Errc::kIo, "is renamed, but a power cut may undo it", error);
   return 0;
 }
 

@@ -54,6 +54,9 @@ class FileReplacement {
   FileReplacement& operator=(FileReplacement&&) = delete;
   ~FileReplacement();
 
+  /// With owner, group and mode of the file `model`, which others may have to read: else it is 0644 less the umask, of
+  /// whoever writes it. \return  0 bytes \error kIo: there is no model; EPERM, not permitted
+  Result<std::size_t> keep_rights(const std::string& model) noexcept;
   /// Appends all of `bytes`. \return  the number of bytes written
   Result<std::size_t> write(std::span<const std::uint8_t> bytes, WriteFunction write_bytes = write_to_disk) noexcept;
   /// Once, at the end. \return  0 bytes: what was written is counted by `write`
@@ -66,6 +69,11 @@ class FileReplacement {
   std::string path_;
   std::string temporary_;  // empty: written directly, or committed
 };
+
+/// FROM becomes TO in one step, which a power cut does not undo once this has returned. Needs no room on the disk.
+/// \return  0 bytes \error kIo with errno
+/// Memory: a path. Threads: any; waits for the disk.
+Result<std::size_t> move_whole_file(const std::string& from, const std::string& to);
 
 /// The three steps at once.
 Result<std::size_t> write_whole_file(const std::string& path, std::span<const std::uint8_t> bytes,

@@ -1,6 +1,7 @@
 #include "programs/assembly/input_files.h"
 
 #include <filesystem>
+#include <system_error>
 
 #include "base/startup_error.h"
 #include "drivers/posix/text_file.h"
@@ -28,6 +29,10 @@ void refuse_first(const ConfigProblems& problems, const std::string& path) {
 }
 
 void read_map(Config& config, ConfigProblems& problems) {
+  std::error_code unknown;
+  // A fifo would be waited for without end, a device read without one.
+  if (std::filesystem::exists(config.map, unknown) && !std::filesystem::is_regular_file(config.map, unknown))
+    return problems.add(problems.line_of("map"), config.map + ": is no file: name the file that holds the map");
   std::string text;
   try {
     text = read_text_file(config.map, kMaxFile_bytes);
@@ -38,7 +43,11 @@ void read_map(Config& config, ConfigProblems& problems) {
 }
 
 Config read_config(const std::string& path, ConfigProblems& problems) {
-  Config config = read_config_text(read_text_file(path, kMaxFile_bytes), path, problems);
+  return read_config(read_text_file(path, kMaxFile_bytes), path, path, problems);
+}
+
+Config read_config(std::string_view text, const std::string& name, const std::string& path, ConfigProblems& problems) {
+  Config config = read_config_text(text, name, problems);
   if (config.camera.source == "recording") make_absolute(config.camera.device, path);
   make_absolute(config.camera.calibration, path);
   make_absolute(config.map, path);

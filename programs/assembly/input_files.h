@@ -2,6 +2,7 @@
 /// The files that a program starts from.
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 #include "calibrate/camera_file.h"
 #include "config/config_checks.h"
@@ -20,6 +21,10 @@ Config read_config(const std::string& path);
 /// The same, which tells all that is wrong, and where the keys stand. \param problems  as read_config_text
 /// Throws StartupError(kWrongUsage): the file can't be read.
 Config read_config(const std::string& path, ConfigProblems& problems);
+
+/// The same of text that is to become the file `path`. \param name  how errors call it
+/// Memory: in proportion to the text.
+Config read_config(std::string_view text, const std::string& name, const std::string& path, ConfigProblems& problems);
 
 /// Throws StartupError(kWrongUsage) with the first of them, if there is one. \param path  of the configuration
 void refuse_first(const ConfigProblems& problems, const std::string& path);

@@ -1,0 +1,89 @@
+#include "programs/commands/config_check.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "drivers/modbus/rtu_server.h"
+#include "drivers/modbus/tcp_server.h"
+#include "drivers/posix/listening_program.h"
+#include "programs/assembly/input_files.h"
+#include "programs/assembly/modbus_options.h"
+#include "programs/assembly/open_head.h"
+#include "programs/assembly/open_source.h"
+#include "programs/assembly/zoom_choice.h"
+
+namespace ninedot {
+namespace {
+
+/// The first, because a running service explains what else is in use.
+void check_modbus_tcp(const ModbusTcpConfig& tcp, ConfigFindings& findings) {
+  const Result<void> free = try_listen(tcp.listen, tcp.port);
+  if (free) return;
+  const int error = free.error().os_errno;
+  const Listening service = error == EADDRINUSE ? find_listener("ninedotd", tcp.port) : Listening::kNo;
+  if (service != Listening::kNo) {
+    findings.note_running_service();
+    findings.note("modbus.tcp.port",
+                  fmt::format("{} port {} is in use{}", tcp.listen, tcp.port,
+                              service == Listening::kYes
+                                  ? " by a running ninedotd"
+                                  : "; a ninedotd is running, which may be what has it: root sees whether it is"));
+    return;
+  }
+  findings.refuse(error == EADDRNOTAVAIL ? "modbus.tcp.listen" : "modbus.tcp.port",
+                  fmt::format("{} port {}: {}{}", tcp.listen, tcp.port, std::strerror(error),
+                              error == EADDRINUSE ? ": stop the program that uses it, or choose another port" : ""));
+}
+
+void check_devices(const Config& config, const ConfigProblems& problems, std::optional<CameraModel>& camera,
+                   ConfigFindings& findings) {
+  if (config.modbus_tcp.enabled && !problems.is_in("modbus")) check_modbus_tcp(config.modbus_tcp, findings);
+  if (config.modbus_rtu.enabled)
+    findings.attempt("modbus.rtu.device", [&] { check_rtu_line(modbus_options(config).rtu.value()); });
+  // A recording that is not there has no calibration either; that is no second mistake.
+  const bool is_recording = config.camera.source == "recording";
+  std::optional<CameraCalibration> calibration;
+  const auto read = [&] { calibration = read_camera_calibration(config.camera); };
+  if (!is_recording || !config.camera.calibration.empty()) findings.attempt("camera.calibration", read);
+  bool is_opened = false, tells_zoom = head_tells_zoom(config.pan_tilt);
+  // A simulated camera is made of the head and the robot as well: from a mistake in those nothing can be made.
+  const bool can_be_made = config.camera.source != "simulated" ||
+                           !(problems.is_in("pan_tilt") || problems.is_in("body") || problems.is_in("simulation"));
+  findings.attempt("camera.device", [&] {
+    if (!can_be_made) return;
+    tells_zoom |=
+        open_source(config, FrameDemand::kEveryFrame, calibration ? &calibration->record : nullptr).tells_zoom;
+    is_opened = true;
+  });
+  if (is_recording && is_opened && config.camera.calibration.empty()) findings.attempt("camera.calibration", read);
+  if (calibration && (is_opened || !is_recording) && can_be_made)
+    findings.attempt("pan_tilt.zoom", [&] { choose_zoom(*calibration, config.pan_tilt, tells_zoom); });
+  if (calibration) camera = calibration->camera;
+  check_head(config, [&](const char* key, const std::function<void()>& step) { findings.attempt(key, step); });
+}
+
+}  // namespace
+
+void check_as_the_service(const Config& config, const ConfigProblems& problems, ConfigFindings& findings,
+                          std::optional<CameraModel>& camera) {
+  check_file(config, problems, findings);
+  // What could not be read says nothing of devices.
+  if (problems.can_be_read && !problems.is_in("camera")) check_devices(config, problems, camera, findings);
+}
+
+std::vector<std::string> problem_lines(const ConfigFindings& findings, const std::string& name) {
+  std::vector<std::string> lines;
+  for (const ConfigProblem& problem : findings.problems()) lines.push_back(problem_text(name, problem));
+  return lines;
+}
+
+std::vector<std::string> note_lines(const ConfigFindings& findings, const std::string& name) {
+  std::vector<std::string> lines;
+  for (const ConfigProblem& note : findings.notes())
+    lines.push_back(problem_text(name, {note.line, "note: " + note.what, {}}));
+  return lines;
+}
+
+}  // namespace ninedot
