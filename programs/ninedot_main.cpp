@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   ninedot::add_cameras_command(app);
   ninedot::add_pattern_command(app);
   ninedot::add_check_command(app);
+  ninedot::add_apply_command(app);
   ninedot::add_registers_command(app);
   ninedot::add_status_command(app);
   ninedot::add_aim_command(app);

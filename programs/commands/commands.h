@@ -11,6 +11,7 @@ void add_record_command(CLI::App& app);
 void add_cameras_command(CLI::App& app);
 void add_pattern_command(CLI::App& app);
 void add_check_command(CLI::App& app);
+void add_apply_command(CLI::App& app);
 void add_registers_command(CLI::App& app);
 void add_status_command(CLI::App& app);
 void add_aim_command(CLI::App& app);

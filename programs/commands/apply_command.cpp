@@ -1,0 +1,156 @@
+// `ninedot apply`: a new configuration in the old one's place, if the service comes up with it. Until that is known the
+// old one is kept beside it, and brought back otherwise.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/startup_error.h"
+#include "drivers/posix/signals.h"
+#include "programs/commands/candidate.h"
+#include "programs/commands/child_check.h"
+#include "programs/commands/commands.h"
+#include "programs/commands/config_change.h"
+#include "programs/commands/service_trial.h"
+
+namespace ninedot {
+namespace {
+
+struct ApplyArguments {
+  std::string candidate = "-", config, check_as;
+  std::vector<std::string> restart;
+  int within_s = 30;
+  bool page = false;
+};
+
+/// One line of progress. Whoever listened may be gone: that is no reason to stop half way.
+void say(std::string_view phase, std::string_view words) {
+  std::fputs(fmt::format("{}: {}\n", phase, words).c_str(), stdout);
+  std::fflush(stdout);
+  std::clearerr(stdout);
+}
+
+/// What is to be seen by whoever asked, and the word for how it ended.
+class Apply {
+ public:
+  explicit Apply(const ApplyArguments& arguments)
+      : arguments_(arguments),
+        name_(arguments.page               ? arguments.config
+              : arguments.candidate == "-" ? "standard input"
+                                           : arguments.candidate) {}
+
+  void run() {
+    const std::string text = arguments_.page ? read_request(STDIN_FILENO) : read_candidate(arguments_.candidate);
+    ConfigChange change(arguments_.config);
+    if (change.was_cut_short())
+      say("note", fmt::format("an earlier apply was cut short; what ran before it is {}", change.last_good_path()));
+    else if (text == change.text())
+      return say("unchanged", arguments_.config + " holds this already");
+    say("checking", name_);
+    const CheckedConfig checked =
+        check_in_child(text, name_, arguments_.config, arguments_.check_as, CheckDepth::kEverything);
+    for (const std::string& note : checked.notes) say("note", note);
+    if (!checked.refused.empty())
+      throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}", fmt::join(checked.refused, "\n")));
+    try_out(change, text, checked);
+  }
+
+  /// How it failed.
+  const char* failure(ExitStatus status) const noexcept {
+    return is_back_ ? "back" : status == ExitStatus::kWrongUsage ? "refused" : "failed";
+  }
+
+ private:
+  void try_out(ConfigChange& change, const std::string& text, const CheckedConfig& checked) {
+    const TerminationSignals signals;
+    const TrialTeller tell = say;
+    ServiceTrial trial({arguments_.restart, std::chrono::seconds(arguments_.within_s)}, signals, tell);
+    // Before anything is changed: on the way back nothing may fail that can be done now.
+    const CheckedConfig old = check_in_child(change.last_good(), arguments_.config, arguments_.config,
+                                             arguments_.check_as, CheckDepth::kEndpointOnly);
+    say("replacing", arguments_.config);
+    change.put(text);
+    const std::optional<std::string> reason = trial.restart_and_watch(checked.host, checked.port);
+    if (!reason) {
+      change.confirm();
+      return say("up", fmt::format("it runs; the one before is {}", change.before_path()));
+    }
+    say("returning", *reason);
+    change.put_back();
+    const std::optional<std::string> again = trial.restart_and_watch(old.host, old.port);
+    is_back_ = !again;
+    throw StartupError(ExitStatus::kWorkFailed,
+                       again ? fmt::format("{}: as it was before, because with the new one: {}; with the old one the "
+                                           "service does not run either: {}",
+                                           arguments_.config, *reason, *again)
+                             : fmt::format("{}: as it was before, and the service runs with it; with the new one: {}",
+                                           arguments_.config, *reason));
+  }
+
+  const ApplyArguments& arguments_;
+  const std::string name_;
+  bool is_back_ = false;
+};
+
+void say_lines(const char* phase, std::string_view lines) {
+  while (!lines.empty()) {
+    const std::string_view line = lines.substr(0, lines.find('\n'));
+    say(phase, line);
+    lines.remove_prefix(std::min(lines.size(), line.size() + 1));
+  }
+}
+
+void run_apply(const ApplyArguments& arguments) {
+  std::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): can't fail
+  Apply apply(arguments);
+  try {
+    apply.run();
+  } catch (const StartupError& error) {
+    // The other end of the connection does not see standard error.
+    if (arguments.page) say_lines(apply.failure(error.status), error.what());
+    throw;
+  }
+}
+
+}  // namespace
+
+void add_apply_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "apply",
+      "Put a new configuration in the place of the service's, restart it, and go back if it does not come up with it");
+  const auto arguments = std::make_shared<ApplyArguments>();
+  CLI::Option* const candidate =
+      command->add_option("new", arguments->candidate, "the new configuration; - is standard input");
+  command->add_option("--config", arguments->config, "the file that the service reads")->required();
+  command
+      ->add_option("--restart", arguments->restart,
+                   "program and arguments that restart the service and fail where it does not come up; default: "
+                   "systemctl restart ninedotd")
+      ->expected(1, 16);
+  command
+      ->add_option("--within", arguments->within_s,
+                   "seconds that the service has to come up, and to have stayed up for three [s]")
+      ->check(CLI::Range(5, 600))
+      ->capture_default_str();
+  command->add_option("--check-as", arguments->check_as,
+                      "user with whose rights the new configuration is checked; for root");
+  CLI::Option* const page = command->add_flag(
+      "--page", arguments->page, "standard input is a connection of ninedot-web: a line `apply BYTES`, then the file");
+  page->excludes(candidate);
+  command->callback([arguments, candidate, page] {
+    if (candidate->count() + page->count() == 0)
+      throw StartupError(ExitStatus::kWrongUsage, "name the new configuration, or - for standard input");
+    run_apply(*arguments);
+  });
+}
+
+}  // namespace ninedot

@@ -1,0 +1,16 @@
+#pragma once
+/// The configuration that `ninedot apply` is given.
+#include <string>
+
+namespace ninedot {
+
+/// The whole of `path`, or of standard input where that is "-".
+/// Throws StartupError(kWrongUsage): it can't be read, is empty, or is longer than kMaxApplied_bytes.
+std::string read_candidate(const std::string& path);
+
+/// What ninedot-web sends over a connection that is our standard input: a line "apply BYTES", then so many bytes. One
+/// that breaks off is known by that, where the end of a pipe would be taken for the text's.
+/// Throws StartupError(kWrongUsage): it is none, breaks off, is too long, or took longer than ten seconds.
+std::string read_request(int descriptor);
+
+}  // namespace ninedot

@@ -1,0 +1,30 @@
+#pragma once
+/// A configuration's check in a process of its own, which may have fewer rights: what the text says of files and
+/// devices is then looked at with those rights, and whatever a text could do to its reader it does to that process.
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ninedot {
+
+struct CheckedConfig {
+  std::vector<std::string> refused;  ///< "NAME:LINE: what", as `ninedot check` says it
+  std::vector<std::string> notes;    ///< "NAME:LINE: note: what"
+  std::string host;                  ///< where Modbus TCP is asked from this machine; empty: it is not served
+  std::uint16_t port = 0;
+};
+
+enum class CheckDepth : std::uint8_t {
+  kEverything,    ///< as `ninedot check`
+  kEndpointOnly,  ///< host and port
+};
+
+/// \param text  at most kMaxApplied_bytes \param name  how its lines call it \param path  the file that it is to become
+/// \param user  whose rights it has; empty: the caller's
+/// Throws StartupError: kWrongUsage, no such user; kWorkFailed, the check did not come to its end within a minute.
+/// Memory: 1 MB of lines at most. Threads: call it while there is one only.
+CheckedConfig check_in_child(std::string_view text, const std::string& name, const std::string& path,
+                             const std::string& user, CheckDepth depth);
+
+}  // namespace ninedot

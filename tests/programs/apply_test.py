@@ -1,0 +1,294 @@
+"""`ninedot apply` with real services: what comes up is kept, what does not is taken back, and what is cut short leaves a whole file."""
+
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+
+from service_harness import BIN, PATIENCE_S, Client, Service, config_text, free_port, run
+
+# As systemctl with Type=notify: it returns when the service answers, or fails with its last words.
+RESTART = """#!/bin/bash
+cd "$(dirname "$0")"
+if [[ -e pid ]]; then kill "$(cat pid)" 2> /dev/null; while kill -0 "$(cat pid)" 2> /dev/null; do sleep 0.02; done; fi
+echo restart >> restarts
+setsid "{bin}/ninedotd" --config ninedot.toml < /dev/null > /dev/null 2> log & pid=$!
+echo "$pid" > pid
+for _ in $(seq 1000); do
+  grep -q "read the position with" log && exit 0
+  kill -0 "$pid" 2> /dev/null || {{ tail -n 1 log >&2; exit 1; }}
+  sleep 0.02
+done
+"""
+
+
+class Apply(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="ninedot-test-")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.config, self.new = self.folder / "ninedot.toml", self.folder / "new.toml"
+        self.port = free_port()
+        self.old = config_text(port=self.port)
+        self.config.write_text(self.old)
+        self.script = self.folder / "restart.sh"
+        self.script.write_text(RESTART.format(bin=BIN))
+        self.script.chmod(0o755)
+        self.addCleanup(self.stop)
+        subprocess.run([self.script], check=True)
+
+    def stop(self):
+        try:
+            os.kill(int((self.folder / "pid").read_text()), signal.SIGKILL)
+        except (OSError, ValueError):
+            pass
+
+    def restarts(self):
+        return (self.folder / "restarts").read_text().count("restart")
+
+    def command(self, *options, restart=None):
+        return ["apply", "--config", self.config, *options, "--restart", restart or self.script]
+
+    def apply(self, *options, restart=None, **more):
+        return run("ninedot", *self.command(*(options or (self.new,)), restart=restart), **more)
+
+    def runs(self, port=None):
+        with Client(port=port or self.port) as client:
+            client.wait_for(lambda registers: registers[4] & 1)
+
+    def files(self):
+        return sorted(path.name for path in self.folder.iterdir() if path.name.startswith("ninedot.toml"))
+
+    def assert_as_it_was(self, restarts=1):
+        self.assertEqual(self.config.read_text(), self.old)
+        self.assertEqual(self.files(), ["ninedot.toml"])
+        self.assertEqual(self.restarts(), restarts)
+        self.runs()
+
+    def test_a_good_change_is_in_force_and_the_one_before_is_kept(self):
+        port = free_port()
+        self.new.write_text(config_text(port=port))
+        done = self.apply()
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        phases = [line.split(":")[0] for line in done.stdout.splitlines()]
+        self.assertEqual([phase for phase in phases if phase != "note"], ["checking", "replacing", "restarting", "watching", "up"])
+        self.runs(port)
+        self.assertEqual(self.config.read_text(), self.new.read_text())
+        self.assertEqual((self.folder / "ninedot.toml.before").read_text(), self.old)
+        self.assertEqual(self.files(), ["ninedot.toml", "ninedot.toml.before"])
+
+    def test_what_the_check_refuses_changes_nothing(self):
+        self.new.write_text(self.old + "bauds = 9600\nport = 0\n")
+        done = self.apply()
+        self.assertEqual(done.returncode, 2)
+        checked = run("ninedot", "check", "--config", self.new)
+        self.assertEqual(done.stderr, checked.stderr, "all its messages, as `ninedot check` has them")
+        self.assertRegex(done.stderr, r"new\.toml:\d+: ")
+        self.assert_as_it_was()
+
+    def test_the_same_again_is_nothing_to_do(self):
+        done = self.apply(self.config)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("holds this already", done.stdout)
+        self.assert_as_it_was()
+
+    def test_a_change_that_cannot_come_up_is_taken_back(self):
+        other = free_port()
+        with Service(config_text(port=other)):
+            self.runs(other)
+            time.sleep(3)  # older than a service that was just restarted
+            # The check takes a ninedotd that holds the port for the very one that is to be restarted.
+            self.new.write_text(config_text(port=other))
+            started = time.monotonic()
+            done = self.apply()
+            self.assertLess(time.monotonic() - started, 30)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        self.assertRegex(done.stderr, r"as it was before, and the service runs with it; with the new one: .*exit status 1: .*Address already in use")
+        self.assert_as_it_was(restarts=3)
+
+    def test_an_older_service_that_answers_in_its_place_deceives_nobody(self):
+        other = free_port()
+        careless = self.folder / "careless.sh"
+        careless.write_text(f"#!/bin/bash\n{self.script} || true\n")
+        careless.chmod(0o755)
+        with Service(config_text(port=other)):
+            self.runs(other)
+            time.sleep(6)
+            self.new.write_text(config_text(port=other))
+            done = self.apply(self.new, "--within", "5", restart=careless)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn("older than the restart", done.stderr)
+        self.assertEqual(self.config.read_text(), self.old)
+
+    def test_a_service_that_comes_and_goes_is_not_up(self):
+        self.new.write_text(self.old + "\n[track]\ncommon_share = 0.4\n")
+        fickle = self.folder / "fickle.sh"
+        fickle.write_text(f"#!/bin/bash\n{self.script}\ncd {self.folder}\nif grep -q common_share ninedot.toml; then (sleep 1.5; kill $(cat pid)) > /dev/null 2>&1 & fi\n")
+        fickle.chmod(0o755)
+        done = self.apply(self.new, "--within", "6", restart=fickle)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertRegex(done.stderr, r"the service runs with it; with the new one: not up within 6 s: nothing answers")
+        self.assert_as_it_was(restarts=3)
+
+    def test_a_restart_that_hangs_ends_with_its_time(self):
+        hangs = self.folder / "hangs.sh"
+        hangs.write_text(f"#!/bin/bash\nif grep -q common_share {self.config}; then sleep 600; fi\n{self.script}\n")
+        hangs.chmod(0o755)
+        self.new.write_text(self.old + "\n[track]\ncommon_share = 0.4\n")
+        started = time.monotonic()
+        done = self.apply(self.new, "--within", "5", restart=hangs)
+        self.assertLess(time.monotonic() - started, 30)
+        self.assertRegex(done.stderr, "with the new one: .*still running")
+        self.assert_as_it_was(restarts=2)
+
+    def test_a_signal_in_the_middle_brings_the_old_one_back(self):
+        self.new.write_text(self.old + "\n[track]\ncommon_share = 0.4\n")
+        for number in (signal.SIGINT, signal.SIGTERM):
+            restarts = self.restarts()
+            process = self.start_and_wait_for("watching: ")
+            process.send_signal(number)
+            _, stderr = process.communicate(timeout=PATIENCE_S)
+            self.assertEqual(process.returncode, 1)
+            self.assertIn("interrupted", stderr)
+            self.assert_as_it_was(restarts + 2)
+
+    def start_and_wait_for(self, line, *options, **more):
+        process = subprocess.Popen([BIN / "ninedot", *self.command(*(options or (self.new,)))], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
+        self.addCleanup(lambda: (process.kill(), process.communicate()))
+        while not process.stdout.readline().startswith(line):
+            self.assertIsNone(process.poll())
+        return process
+
+    def test_killed_in_the_middle_leaves_a_whole_file_and_the_next_run_tells(self):
+        new = self.old + "\n[track]\ncommon_share = 0.4\n"
+        self.new.write_text(new)
+        process = self.start_and_wait_for("restarting: ")
+        process.kill()
+        process.communicate()
+        self.assertIn(self.config.read_text(), (self.old, new))
+        self.assertEqual((self.folder / "ninedot.toml.last-good").read_text(), self.old)
+        time.sleep(1)
+        done = self.apply()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("an earlier apply was cut short", done.stdout)
+        self.assertEqual((self.folder / "ninedot.toml.before").read_text(), self.old)
+        self.assertEqual(self.files(), ["ninedot.toml", "ninedot.toml.before"])
+        self.runs()
+
+    def test_only_one_at_a_time(self):
+        self.new.write_text(self.old + "\n[track]\ncommon_share = 0.4\n")
+        first = self.start_and_wait_for("watching: ")
+        second = self.apply()
+        self.assertEqual(second.returncode, 1)
+        self.assertIn("another apply is under way", second.stderr)
+        self.assertEqual(first.wait(timeout=PATIENCE_S), 0)
+
+    def test_a_listener_that_goes_away_stops_nothing_half_way(self):
+        self.new.write_text(self.old + "\n[track]\ncommon_share = 0.4\n")
+        process = self.start_and_wait_for("replacing: ")
+        process.stdout.close()
+        self.assertEqual(process.wait(timeout=PATIENCE_S), 0)
+        self.assertEqual(self.config.read_text(), self.new.read_text())
+
+    def test_a_folder_that_cannot_be_written(self):
+        self.new.write_text(self.old + "\n[track]\ncommon_share = 0.4\n")
+        if os.geteuid() == 0:
+            done = subprocess.run(["unshare", "-m", "sh", "-c", 'mount --bind "$0" "$0" && mount -o remount,bind,ro "$0" && exec "$@"', self.folder, BIN / "ninedot",
+                                   *self.command(self.new)], capture_output=True, text=True)
+            if "mount:" in done.stderr:
+                self.skipTest("nothing can be mounted here")
+        else:
+            self.folder.chmod(0o555)
+            self.addCleanup(self.folder.chmod, 0o755)
+            done = self.apply()
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertRegex(done.stderr, r"cannot be created: (Read-only file system|Permission denied)")
+        self.assert_as_it_was()
+
+    def test_standard_input_is_a_candidate_too(self):
+        new = self.old + "\n[track]\ncommon_share = 0.4\n"
+        done = subprocess.run([BIN / "ninedot", *self.command("-")], input=new, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.config.read_text(), new)
+
+    def test_hostile_candidates(self):
+        fifo = self.folder / "fifo"
+        os.mkfifo(fifo)
+        (self.folder / "huge").write_bytes(b"#" * (256 * 1024 + 1))
+        (self.folder / "empty").write_bytes(b"")
+        (self.folder / "link").symlink_to("/etc/shadow")
+        for what in ("/dev/zero", self.folder / "huge", self.folder / "empty", self.folder, self.folder / "link", "/nowhere"):
+            done = self.apply(what)
+            self.assertEqual(done.returncode, 2, f"{what}: {done.stderr}")
+            self.assertNotIn("root:", done.stdout + done.stderr)
+        writer = subprocess.Popen(["sh", "-c", f"yes > {fifo}"], stderr=subprocess.DEVNULL)
+        self.assertEqual(self.apply(fifo).returncode, 2)
+        writer.wait(timeout=PATIENCE_S)
+        self.assert_as_it_was()
+
+    def page(self, request, *options, close=True):
+        """What ninedot-web gets back for `request` over a socket, as systemd hands it over."""
+        ours, theirs = socket.socketpair()
+        with ours, theirs:
+            process = subprocess.Popen([BIN / "ninedot", *self.command("--page", *options)], stdin=theirs, stdout=theirs, stderr=subprocess.DEVNULL)
+            theirs.close()
+            ours.settimeout(PATIENCE_S)
+            try:
+                ours.sendall(request)
+            except OSError:
+                pass  # it has seen enough
+            if close:
+                ours.shutdown(socket.SHUT_WR)
+            answer = b""
+            try:
+                while part := ours.recv(65536):
+                    answer += part
+            except ConnectionResetError:
+                pass
+            return process.wait(timeout=PATIENCE_S), answer.decode()
+
+    def test_the_page_is_told_how_it_ends(self):
+        new = (self.old + "\n[track]\ncommon_share = 0.4\n").encode()
+        status, answer = self.page(b"apply %d\n%s" % (len(new), new), close=False)
+        self.assertEqual(status, 0, answer)
+        self.assertRegex(answer.splitlines()[-1], "^up: ")
+        wrong = new + b"bauds = 1\n"
+        status, answer = self.page(b"apply %d\n%s" % (len(wrong), wrong))
+        self.assertEqual(status, 2)
+        self.assertRegex(answer.splitlines()[-1], r"^refused: .*ninedot\.toml:\d+: ")
+        for request in (b"", b"apply 10\nx", b"apply 99999999\n", b"\0" * 300000, b"apply 3\nxxxx"):
+            status, answer = self.page(request)
+            self.assertEqual(status, 2, answer)
+            self.assertRegex(answer, "^refused: ")
+        self.assertEqual(self.config.read_bytes(), new)
+
+    def test_a_slow_request_ends_after_ten_seconds(self):
+        started = time.monotonic()
+        status, answer = self.page(b"apply 1000\nx", close=False)
+        self.assertEqual(status, 2)
+        self.assertIn("within 10 s", answer)
+        self.assertLess(time.monotonic() - started, 20)
+
+    @unittest.skipIf(os.geteuid() != 0, "needs root, who alone can take other rights")
+    def test_is_checked_with_the_rights_of_another(self):
+        secret = self.folder / "secret"
+        secret.write_text("hidden = 1\n")
+        secret.chmod(0o600)
+        self.folder.chmod(0o755)
+        self.new.write_text(f'map = "{secret}"\n{self.old}')
+        self.assertIn("hidden", self.apply().stderr, "root itself reads it")
+        done = self.apply(self.new, "--check-as", "nobody")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("Permission denied", done.stderr)
+        self.assertNotIn("hidden", done.stderr)
+        self.assertIn("no such user", self.apply(self.new, "--check-as", "nobody-at-all").stderr)
+        self.assert_as_it_was()
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
