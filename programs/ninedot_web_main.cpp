@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <optional>
 #include <string>
 
 #include "base/startup_error.h"
@@ -14,6 +15,7 @@
 #include "programs/assembly/input_files.h"
 #include "programs/program.h"
 #include "programs/web/access.h"
+#include "programs/web/configuration_desk.h"
 #include "programs/web/jogger.h"
 #include "programs/web/live_json.h"
 #include "programs/web/recorder.h"
@@ -44,32 +46,63 @@ class NewestMap {
   std::string json_;
 };
 
-void run_web(const std::string& config_path) {
-  const Config config = read_config(config_path);
-  const WebConfig& web = config.web;
+Config servable_config(const std::string& path) {
+  Config config = read_config(path);
   if (!config.tap.enabled)
-    throw StartupError(ExitStatus::kWrongUsage,
-                       config_path + ": the page needs the tap: write `enabled = true` under [tap]");
+    throw StartupError(ExitStatus::kWrongUsage, path + ": the page needs the tap: write `enabled = true` under [tap]");
+  return config;
+}
+
+void tell_address(const WebConfig& web, bool tls) {
+  const bool is_v6 = web.listen.find(':') != std::string::npos;
+  fmt::print(stderr, "ninedot-web: {}://{}:{}\n", tls ? "https" : "http", is_v6 ? "[" + web.listen + "]" : web.listen,
+             web.port);
+  if (!is_loopback(web.listen) && !tls)
+    fmt::print(stderr,
+               "ninedot-web: WARNING: without TLS the token and the pictures cross the network in the clear; "
+               "give [web] a certificate and a key\n");
+}
+
+/// Until a signal comes, or the service runs with a new configuration. \return  whether that is why
+bool serve(const Config& config, const std::string& config_path, const TerminationSignals& signals,
+           ConfigurationDesk& desk, ServiceManager& manager) {
+  const WebConfig& web = config.web;
   NewestMap map(config_path);
   AccessRules rules;
   rules.tls = !web.certificate.empty();
   rules.names = web.names;
   if (!web.token_file.empty()) rules.token = read_token(web.token_file);
-  const TerminationSignals signals;  // before the first thread
   Jogger jogger(jogger_options(config, !rules.token.empty()));
   Recorder recorder(recorder_options(config, !rules.token.empty()));
-  const WebServerOptions options{web, config.tap.path, rules, [&] { return map.json(); }, jogger, recorder};
+  const WebServerOptions options{web, config.tap.path, rules, [&] { return map.json(); }, jogger, recorder, desk};
   WebServer server(options);
-  const bool is_v6 = web.listen.find(':') != std::string::npos;
-  fmt::print(stderr, "ninedot-web: {}://{}:{}\n", options.rules.tls ? "https" : "http",
-             is_v6 ? "[" + web.listen + "]" : web.listen, web.port);
-  if (!is_loopback(web.listen) && !options.rules.tls)
-    fmt::print(stderr,
-               "ninedot-web: WARNING: without TLS the token and the pictures cross the network in the clear; "
-               "give [web] a certificate and a key\n");
-  ServiceManager manager;
+  tell_address(web, options.rules.tls);
   manager.ready();
-  server.run([&] { return signals.wait(std::chrono::nanoseconds(0)) != 0; });
+  bool is_new = false;
+  server.run([&] {
+    is_new = desk.takes_new_file(mono_now());
+    return is_new || signals.wait(std::chrono::nanoseconds(0)) != 0;
+  });
+  return is_new;
+}
+
+void run_web(const std::string& config_path, const std::string& apply_socket) {
+  Config config = servable_config(config_path);
+  const TerminationSignals signals;  // before the first thread
+  ServiceManager manager;
+  ConfigurationDesk desk(config_path, apply_socket);
+  std::optional<Config> last;  // what the page was served by until now
+  for (;;) {
+    try {
+      if (last) config = servable_config(config_path);
+      if (!serve(config, config_path, signals, desk, manager)) break;
+      last = config;
+    } catch (const StartupError& error) {
+      if (!last) throw;
+      fmt::print(stderr, "ninedot-web: {}: the page goes on as it was\n", error.what());
+      if (!serve(*last, config_path, signals, desk, manager)) break;
+    }
+  }
   manager.stopping();
 }
 
@@ -81,5 +114,7 @@ int main(int argc, char** argv) {
   CLI::App app{"The page of a running ninedotd: what it sees, its health, its registers, its map.", "ninedot-web"};
   std::string config_path;
   app.add_option("--config", config_path, "the service's configuration: its [tap] and [web] are read")->required();
-  return ninedot::run_program(app, argc, argv, [&] { ninedot::run_web(config_path); });
+  std::string apply_socket = "/run/ninedot-apply.socket";
+  app.add_option("--apply-socket", apply_socket, "where `ninedot apply --page` is reached")->capture_default_str();
+  return ninedot::run_program(app, argc, argv, [&] { ninedot::run_web(config_path, apply_socket); });
 }

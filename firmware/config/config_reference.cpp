@@ -334,61 +334,9 @@ Config config_with_entries() {
   return config;
 }
 
-bool is_list(std::string_view table) {
-  return table == "landmarks" || table == "simulation.robot" || table == "simulation.hidden";
-}
-
-/// What a key is when the file does not say.
-std::string default_text(const ConfigKey& key) {
-  Config config = config_with_entries();
-  struct Printer {
-    std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
-    std::string operator()(const int* value) const { return fmt::format("{}", *value); }
-    std::string operator()(const std::uint16_t* value) const { return fmt::format("{}", *value); }
-    std::string operator()(const std::uint32_t* value) const { return fmt::format("{}", *value); }
-    std::string operator()(const double* value) const { return fmt::format("{}", *value); }
-    std::string operator()(const char* value) const { return fmt::format("\"{}\"", *value); }
-    std::string operator()(const std::string* value) const { return fmt::format("\"{}\"", *value); }
-    std::string operator()(const std::vector<std::string>*) const { return "[]"; }
-    std::string operator()(const std::array<double, 3>*) const { return "[0, 0, 0]"; }
-    std::string operator()(const std::optional<double>*) const { return "none"; }
-    std::string operator()(const std::optional<std::array<double, 3>>*) const { return "none"; }
-    std::string operator()(const std::optional<std::array<double, 4>>*) const { return "none"; }
-    std::string operator()(const std::vector<AxisPoint>*) const { return "[]"; }
-  };
-  return std::visit(Printer{}, key.slot(config));
-}
-
-std::string range_text(const ConfigKey& key) {
-  if (!key.choices.empty()) {
-    std::string text;
-    for (const char c : key.choices) text += c == '|' ? std::string(", ") : std::string(1, c);
-    return text;
-  }
-  Config config = config_with_entries();
-  struct Printer {
-    const ConfigKey& key;
-    std::string numbers() const { return fmt::format("{} .. {}", key.min, key.max); }
-    std::string operator()(const bool*) const { return "true, false"; }
-    std::string operator()(const int*) const { return numbers(); }
-    std::string operator()(const std::uint16_t*) const { return numbers(); }
-    std::string operator()(const std::uint32_t*) const { return numbers(); }
-    std::string operator()(const double*) const { return numbers(); }
-    std::string operator()(const char*) const { return "letter"; }
-    std::string operator()(const std::string*) const { return "text"; }
-    std::string operator()(const std::vector<std::string>*) const { return "list of texts"; }
-    std::string operator()(const std::array<double, 3>*) const { return "three, each " + numbers(); }
-    std::string operator()(const std::optional<double>*) const { return numbers(); }
-    std::string operator()(const std::optional<std::array<double, 3>>*) const { return "three, each " + numbers(); }
-    std::string operator()(const std::optional<std::array<double, 4>>*) const { return "four, each " + numbers(); }
-    std::string operator()(const std::vector<AxisPoint>*) const { return "list of pairs"; }
-  };
-  return std::visit(Printer{key}, key.slot(config));
-}
-
 std::string heading_of(std::string_view table) {
   if (table.empty()) return "At the top";
-  return is_list(table) ? fmt::format("[[{}]]", table) : fmt::format("[{}]", table);
+  return is_config_list(table) ? fmt::format("[[{}]]", table) : fmt::format("[{}]", table);
 }
 
 constexpr std::string_view kIntroduction = R"(# Configuration
@@ -420,6 +368,57 @@ std::string_view config_table_meaning(std::string_view table) {
   return {};
 }
 
+bool is_config_list(std::string_view table) noexcept {
+  return table == "landmarks" || table == "simulation.robot" || table == "simulation.hidden";
+}
+
+std::string config_key_default(const ConfigKey& key) {
+  Config config = config_with_entries();
+  struct Printer {
+    std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
+    std::string operator()(const int* value) const { return fmt::format("{}", *value); }
+    std::string operator()(const std::uint16_t* value) const { return fmt::format("{}", *value); }
+    std::string operator()(const std::uint32_t* value) const { return fmt::format("{}", *value); }
+    std::string operator()(const double* value) const { return fmt::format("{}", *value); }
+    std::string operator()(const char* value) const { return fmt::format("\"{}\"", *value); }
+    std::string operator()(const std::string* value) const { return fmt::format("\"{}\"", *value); }
+    std::string operator()(const std::vector<std::string>*) const { return "[]"; }
+    std::string operator()(const std::array<double, 3>*) const { return "[0, 0, 0]"; }
+    std::string operator()(const std::optional<double>*) const { return "none"; }
+    std::string operator()(const std::optional<std::array<double, 3>>*) const { return "none"; }
+    std::string operator()(const std::optional<std::array<double, 4>>*) const { return "none"; }
+    std::string operator()(const std::vector<AxisPoint>*) const { return "[]"; }
+  };
+  return std::visit(Printer{}, key.slot(config));
+}
+
+std::string config_key_range(const ConfigKey& key) {
+  if (!key.choices.empty()) {
+    std::string text;
+    for (const char c : key.choices) text += c == '|' ? std::string(", ") : std::string(1, c);
+    return text;
+  }
+  Config config = config_with_entries();
+  struct Printer {
+    const ConfigKey& key;
+    std::string numbers() const { return fmt::format("{} .. {}", key.min, key.max); }
+    std::string operator()(const bool*) const { return "true, false"; }
+    std::string operator()(const int*) const { return numbers(); }
+    std::string operator()(const std::uint16_t*) const { return numbers(); }
+    std::string operator()(const std::uint32_t*) const { return numbers(); }
+    std::string operator()(const double*) const { return numbers(); }
+    std::string operator()(const char*) const { return "letter"; }
+    std::string operator()(const std::string*) const { return "text"; }
+    std::string operator()(const std::vector<std::string>*) const { return "list of texts"; }
+    std::string operator()(const std::array<double, 3>*) const { return "three, each " + numbers(); }
+    std::string operator()(const std::optional<double>*) const { return numbers(); }
+    std::string operator()(const std::optional<std::array<double, 3>>*) const { return "three, each " + numbers(); }
+    std::string operator()(const std::optional<std::array<double, 4>>*) const { return "four, each " + numbers(); }
+    std::string operator()(const std::vector<AxisPoint>*) const { return "list of pairs"; }
+  };
+  return std::visit(Printer{key}, key.slot(config));
+}
+
 std::string format_config_reference() {
   std::string text(kIntroduction);
   std::optional<std::string_view> table;
@@ -429,8 +428,8 @@ std::string format_config_reference() {
       text += fmt::format("\n## {}\n\n{}\n\n| key | unit | range | default | meaning |\n|---|---|---|---|---|\n",
                           heading_of(key.table), config_table_meaning(key.table));
     }
-    text += fmt::format("| `{}` | {} | {} | `{}` | {} |\n", key.name, key.unit, range_text(key), default_text(key),
-                        key.meaning);
+    text += fmt::format("| `{}` | {} | {} | `{}` | {} |\n", key.name, key.unit, config_key_range(key),
+                        config_key_default(key), key.meaning);
   }
   return text;
 }

@@ -36,6 +36,13 @@ std::span<const ConfigKey> config_keys();
 /// One line about a table, for the document. Empty: no such table.
 std::string_view config_table_meaning(std::string_view table);
 
+/// Whether a file may hold several of a table: [[landmarks]].
+bool is_config_list(std::string_view table) noexcept;
+
+/// What a key may be, and what it is where the file does not say, as docs/configuration.md has it.
+std::string config_key_range(const ConfigKey& key);
+std::string config_key_default(const ConfigKey& key);
+
 /// docs/configuration.md.
 std::string format_config_reference();
 

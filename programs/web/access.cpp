@@ -35,17 +35,23 @@ Refusal refusal_of_any_body(const RequestHead& head) {
 }
 
 /// Its length must be told beforehand: what has none may have any.
-Refusal refusal_of_body(const RequestHead& head) {
+Refusal refusal_of_body(const RequestHead& head, std::size_t most_bytes) {
   if (head.content_length.empty() || !head.transfer_encoding.empty())
     return {411, "A request that changes something says how long it is.\n"};
   const char* const end = head.content_length.data() + head.content_length.size();
   std::size_t length = 0;
   const auto [read_to, error] = std::from_chars(head.content_length.data(), end, length);
-  if (error == std::errc() && read_to == end && length <= kMostBody_bytes) return {};
+  if (error == std::errc() && read_to == end && length <= most_bytes) return {};
   return {413, "That is more than can be asked for here.\n"};
 }
 
 }  // namespace
+
+const PostPath* find_post_path(std::string_view path) noexcept {
+  const auto* const found =
+      std::find_if(kPostPaths.begin(), kPostPaths.end(), [&](const PostPath& post) { return post.path == path; });
+  return found == kPostPaths.end() ? nullptr : found;
+}
 
 bool is_same_secret(std::string_view given, std::string_view secret) noexcept {
   // Every character of the secret is looked at, whatever was given.
@@ -123,15 +129,16 @@ Refusal Access::check_origin(const RequestHead& head, bool changes) const {
 }
 
 Refusal Access::refusal_of(const RequestHead& head, MonoTime now) {
-  const bool changes = head.method == "POST" &&
-                       std::find(kChangingPaths.begin(), kChangingPaths.end(), head.path) != kChangingPaths.end();
-  if (!changes && head.method != "GET" && head.method != "HEAD")
+  const PostPath* const post = head.method == "POST" ? find_post_path(head.path) : nullptr;
+  const bool is_post = post != nullptr;
+  if (!is_post && head.method != "GET" && head.method != "HEAD")
     return {405, "Nothing can be changed here: only GET and HEAD are answered.\n"};
-  if (const Refusal refusal = changes ? refusal_of_body(head) : refusal_of_any_body(head)) return refusal;
+  if (const Refusal refusal = is_post ? refusal_of_body(head, post->most_bytes) : refusal_of_any_body(head))
+    return refusal;
   if (!is_our_host(head.host))
     return {421, "This machine does not know itself by that name: add it to `names` of [web], or use its address.\n"};
-  if (const Refusal refusal = check_origin(head, changes)) return refusal;
-  if (changes && rules_.token.empty())
+  if (const Refusal refusal = check_origin(head, is_post)) return refusal;
+  if (is_post && post->changes && rules_.token.empty())
     return {403, "Without a token nothing can be changed: set `token_file` of [web].\n"};
   // What must be known to ask for the token is told without it.
   return !head.path.starts_with("/api/") || head.path == "/api/session" ? Refusal{} : check_token(head, now);

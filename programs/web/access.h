@@ -25,9 +25,22 @@ struct Refusal {
   explicit operator bool() const noexcept { return status != 0; }
 };
 
-/// The paths by which something can be changed, and how long what is asked for there may be.
-inline constexpr std::array<std::string_view, 2> kChangingPaths{"/api/aim", "/api/recordings"};
+/// A path to which something is posted, and how long that may be.
+struct PostPath {
+  std::string_view path;
+  std::size_t most_bytes = 0;
+  bool changes = true;  ///< something: without a token nobody may
+};
+/// What more than kMostBody_bytes is for is taken one at a time.
 inline constexpr std::size_t kMostBody_bytes = 128;
+inline constexpr std::size_t kMostLargeBody_bytes = std::size_t{256} * 1024;
+inline constexpr std::array kPostPaths{PostPath{"/api/aim", kMostBody_bytes},
+                                       PostPath{"/api/recordings", kMostBody_bytes},
+                                       PostPath{"/api/configuration/check", kMostLargeBody_bytes, false},
+                                       PostPath{"/api/configuration/apply", kMostLargeBody_bytes}};
+
+/// \return  nothing: nothing can be posted there
+const PostPath* find_post_path(std::string_view path) noexcept;
 
 /// Length from which a token is no longer guessed: 128 bits as hexadecimal digits.
 inline constexpr std::size_t kLeastTokenLength = 32;
@@ -71,9 +84,9 @@ class Access {
 
   /// In this order: a method that looks, no body, a host that is this one (another name that leads here is how a
   /// foreign page gets past the browser's own walls: DNS rebinding), not from another page, the token.
-  /// POST to one of kChangingPaths changes something: a short body, this page's own origin, named as such by the
-  /// browser, and the token, which no browser sends by itself; where there is none nothing is changed, on this machine
-  /// neither.
+  /// POST to one of kPostPaths changes something: a bounded body, this page's own origin, named as such by the browser,
+  /// and the token, which no browser sends by itself; where there is none nothing is changed, on this machine neither.
+  /// What changes nothing needs no more than the same origin, and the token where there is one.
   Refusal refusal_of(const RequestHead& head, MonoTime now);
   const AccessRules& rules() const noexcept { return rules_; }
 

@@ -24,7 +24,9 @@
 #include "base/startup_error.h"
 #include "config/config_checks.h"
 #include "drivers/posix/text_file.h"
+#include "programs/web/configuration_answers.h"
 #include "programs/web/http_answer.h"
+#include "programs/web/large_body.h"
 #include "programs/web/live_feed.h"
 #include "programs/web/live_json.h"
 #include "programs/web/page_files.h"
@@ -226,13 +228,25 @@ class WebServer::Daemon {
     }
     if (*request != nullptr) return daemon.answer(connection, path, method);
     *request = &daemon;
-    const Refusal refusal = daemon.access_.refusal_of(head_of(connection, path, method), mono_now());
+    const RequestHead head = head_of(connection, path, method);
+    Refusal refusal = daemon.access_.refusal_of(head, mono_now());
+    if (!refusal) refusal = daemon.make_room(connection, head);
     if (!refusal) return MHD_YES;
     return send_text(connection, refusal.status, refusal.text, kPlainText, refusal.retry_later);
   }
 
+  /// For a body that is too long for its guest.
+  Refusal make_room(MHD_Connection* connection, const RequestHead& head) {
+    const PostPath* const post = head.method == "POST" ? find_post_path(head.path) : nullptr;
+    if (post == nullptr || post->most_bytes <= kMostBody_bytes) return {};
+    const std::lock_guard lock(mutex_);
+    if (large_body_.take(connection)) return {};
+    return {503, "Somebody else is sending something as long at this moment: try again.\n", true};
+  }
+
   bool take_body(MHD_Connection* connection, std::string_view part) {
     const std::lock_guard lock(mutex_);
+    if (large_body_.is_of(connection)) return large_body_.append(part);
     Guest* const guest = guest_of(connection);
     return guest != nullptr &&
            std::all_of(part.begin(), part.end(), [&](char c) { return guest->body.try_push_back(c); });
@@ -250,6 +264,9 @@ class WebServer::Daemon {
         body = guest->body;
       }
     }
+    if (head.path.starts_with(kConfigurationPath))
+      return answer_configuration(connection, head, large_body_.is_of(connection) ? large_body_.text() : "",
+                                  options_.desk, !options_.rules.token.empty());
     if (RecordingsApi::is_for(head.path)) return answer_recordings(connection, head, {body.begin(), body.size()});
     if (head.method == "POST") {
       const AimReply reply = options_.jogger.reply_to({body.begin(), body.size()}, head.peer);
@@ -341,6 +358,7 @@ class WebServer::Daemon {
                           MHD_RequestTerminationCode /*code*/) {
     auto& daemon = *static_cast<Daemon*>(self);
     const std::lock_guard lock(daemon.mutex_);
+    daemon.large_body_.give_back(connection);
     if (Guest* const guest = daemon.guest_of(connection)) {
       guest->since = mono_now();
       guest->is_answered = false;
@@ -368,6 +386,7 @@ class WebServer::Daemon {
   std::condition_variable somebody_;
   Viewers viewers_;
   std::array<Guest, kConnections> guests_;
+  LargeBody large_body_;  // read by the library's thread alone
   std::vector<MHD_Connection*> waiting_;
   std::shared_ptr<const LiveMessage> message_;
   std::uint64_t newest_for_all_ = 0;  // number of the last one for those who want some frames

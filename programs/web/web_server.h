@@ -7,6 +7,7 @@
 
 #include "config/config.h"
 #include "programs/web/access.h"
+#include "programs/web/configuration_desk.h"
 #include "programs/web/jogger.h"
 #include "programs/web/recorder.h"
 
@@ -19,6 +20,7 @@ struct WebServerOptions {
   std::function<std::string()> map_json;  ///< asked each time that a page wants the map; of the server's thread
   Jogger& jogger;                         ///< must outlive the server
   Recorder& recorder;                     ///< likewise
+  ConfigurationDesk& desk;                ///< likewise
 };
 
 /// Serves from construction to destruction.

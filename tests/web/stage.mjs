@@ -115,7 +115,7 @@ z_mm = 1200.0
 heading_deg = -90.0
 `;
 
-// options: {recording, camera: text under [camera] in its place, web: text under [web], extra: further configuration}
+// options: {recording, camera: text under [camera] in its place, web: text under [web], extra: further configuration, arguments: of ninedot-web}
 export class Stage {
   static async open(options = {}) {
     const stage = new Stage();
@@ -139,15 +139,15 @@ ${options.web ?? ""}
 ${options.extra ?? ""}
 `);
     stage.service = stage.start("ninedotd");
-    stage.web = stage.start("ninedot-web");
+    stage.web = stage.start("ninedot-web", options.arguments);
     await until("the page answers", async () => (await get(stage.port, "/")).status === 200);
     await until("the service gives frames", async () => fs.existsSync(path.join(stage.folder, "tap")));
     return stage;
   }
 
-  start(program) {
+  start(program, more = []) {
     const log = fs.openSync(path.join(this.folder, `${program}.log`), "a");
-    const child = spawn(path.join(BIN, program), ["--config", this.config], { stdio: ["ignore", log, log] });
+    const child = spawn(path.join(BIN, program), ["--config", this.config, ...more], { stdio: ["ignore", log, log] });
     fs.closeSync(log);
     return child;
   }
@@ -192,7 +192,7 @@ export async function openPage(chrome, on, view, { theme = "light", size = "desk
   const page = await context.newPage();
   const wrong = [];
   page.on("pageerror", (error) => wrong.push(String(error)));
-  page.on("console", (message) => { if (message.type() === "error" && !/40[139]|429|503|ERR_CONNECTION|ERR_INTERNET/.test(message.text())) wrong.push(message.text()); });
+  page.on("console", (message) => { if (message.type() === "error" && !/40[139]|412|429|503|ERR_CONNECTION|ERR_INTERNET/.test(message.text())) wrong.push(message.text()); });
   page.on("request", (request) => {
     const url = new URL(request.url());
     if (!["blob:", "data:"].includes(url.protocol) && url.port !== String(on.port)) wrong.push(`fetched from outside: ${url}`);

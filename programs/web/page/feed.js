@@ -8,7 +8,7 @@ export function setToken(text) {
 }
 
 export function authorised(path, options = {}) {
-  const headers = token ? { Authorization: `Bearer ${token}` } : {};
+  const headers = { ...options.headers, ...(token ? { Authorization: `Bearer ${token}` } : {}) };
   return fetch(path, { ...options, headers, cache: "no-store" });
 }
 

@@ -9,9 +9,11 @@ import { MapView } from "./map.js";
 import { AimView } from "./aim.js";
 import { RecordingsView } from "./recordings.js";
 import { ArView } from "./ar.js";
+import { ConfigurationView } from "./configuration.js";
 
 const $ = (id) => document.getElementById(id);
-const VIEWS = { live: LiveView, focus: FocusView, health: HealthView, registers: RegistersView, map: MapView, aim: AimView, recordings: RecordingsView, ar: ArView };
+const VIEWS = { live: LiveView, focus: FocusView, health: HealthView, registers: RegistersView, map: MapView, aim: AimView, recordings: RecordingsView, ar: ArView,
+  configuration: ConfigurationView };
 const THEMES = ["system", "light", "dark"];
 
 const history = new History();
