@@ -15,7 +15,7 @@ install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPO
 
 # The page, package ninedot-web: nothing of it is where only the service is wanted.
 install(TARGETS ninedot-web RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT web)
-install(FILES systemd/ninedot-web.service DESTINATION lib/systemd/system COMPONENT web)
+install(FILES systemd/ninedot-web.service systemd/ninedot-apply.socket systemd/ninedot-apply@.service DESTINATION lib/systemd/system COMPONENT web)
 install(FILES systemd/ninedot-web.sysusers DESTINATION lib/sysusers.d RENAME ninedot-web.conf COMPONENT web)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ninedot-web RENAME copyright COMPONENT web)
 get_property(NINEDOT_AR_LICENCE GLOBAL PROPERTY NINEDOT_AR_LICENCE)
