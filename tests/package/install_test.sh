@@ -46,6 +46,8 @@ expect "made the page's user, who may read the tap" bash -c "id -nG ninedot-web 
 expect "who is in no group of the service's" bash -c "! id -nG ninedot-web | grep -qwE 'ninedot|video|dialout|gpio|i2c'"
 expect "systemd accepts its unit" systemd-analyze verify /lib/systemd/system/ninedot-web.service
 expect "is not enabled" not test -e /etc/systemd/system/multi-user.target.wants/ninedot-web.service
+expect "systemd accepts the units that let it change the configuration" systemd-analyze verify /lib/systemd/system/ninedot-apply.socket /lib/systemd/system/ninedot-apply@.service
+expect "which are not enabled" not test -e /etc/systemd/system/sockets.target.wants/ninedot-apply.socket
 sed -i 's/^# \[tap\]/[tap]/; s/^# enabled = false/enabled = true/' "$config"
 setpriv --reuid ninedot --regid ninedot --init-groups ninedotd --config "$config" > /tmp/ninedotd.log 2>&1 & service=$!
 setpriv --reuid ninedot-web --regid ninedot-web --init-groups ninedot-web --config "$config" > /tmp/ninedot-web.log 2>&1 & page=$!

@@ -4,6 +4,7 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import socket
 import subprocess
 import tempfile
@@ -143,6 +144,57 @@ class PageUnit(unittest.TestCase):
         self.assertRegex(script, r"if deb-systemd-helper --quiet was-enabled ninedot-web.service; then\s+deb-systemd-helper enable")
         self.assertEqual(script.count("deb-systemd-helper enable"), 1)
         self.assertIn("if deb-systemd-helper debian-installed ninedot-web.service; then", script)
+
+
+class ApplyUnits(unittest.TestCase):
+    """ninedot-apply.socket and ninedot-apply@.service: root behind a door that is shut until somebody opens it."""
+
+    def setUp(self):
+        self.socket = settings((SOURCE / "systemd" / "ninedot-apply.socket").read_text())
+        self.service = settings((SOURCE / "systemd" / "ninedot-apply@.service").read_text())
+
+    def value(self, of, key):
+        values = [value for _, k, value in of if k == key]
+        self.assertEqual(len(values), 1, f"{key}=")
+        return values[0]
+
+    def test_the_door_is_for_the_page_alone_and_for_one_at_a_time(self):
+        wanted = {"SocketUser": "root", "SocketGroup": "ninedot-web", "SocketMode": "0660", "Accept": "yes", "MaxConnections": "1"}
+        self.assertEqual({key: self.value(self.socket, key) for key in wanted}, wanted)
+
+    def test_the_page_knocks_where_it_is(self):
+        listens = self.value(self.socket, "ListenStream")
+        told = subprocess.run([BIN / "ninedot-web", "--help"], capture_output=True, text=True, timeout=60).stdout
+        self.assertIn(listens, told)
+        self.assertIn("AF_UNIX", self.value(settings((SOURCE / "systemd" / "ninedot-web.service").read_text()), "RestrictAddressFamilies"))
+
+    def test_it_reads_what_it_is_sent_with_the_rights_of_the_service_and_writes_one_folder(self):
+        command = shlex.split(self.value(self.service, "ExecStart"))
+        user = self.value(settings((SOURCE / "systemd" / "ninedotd.service").read_text()), "User")
+        self.assertEqual(command, ["/usr/bin/ninedot", "apply", "--page", "--config", "/etc/ninedot/ninedot.toml", "--check-as", user])
+        self.assertEqual(self.value(self.service, "ReadWritePaths"), "/etc/ninedot")
+        self.assertEqual(self.value(self.service, "ProtectSystem"), "strict")
+        self.assertNotIn("CAP_DAC_OVERRIDE", self.value(self.service, "CapabilityBoundingSet"))
+        self.assertEqual(self.value(self.service, "StandardInput"), "socket")
+        self.assertEqual(self.value(self.service, "StandardOutput"), "socket")
+
+    def test_nothing_enables_it(self):
+        for script in (SOURCE / "systemd" / "package-web").iterdir():
+            self.assertNotRegex(script.read_text(), r"\benable ninedot-apply", script.name)
+
+    def test_systemd_accepts_them_and_calls_them_tight(self):
+        if not shutil.which("systemd-analyze"):
+            self.skipTest("no systemd-analyze")
+        with tempfile.TemporaryDirectory(prefix="ninedot-test-") as folder:
+            for name, instance in (("ninedot-apply.socket",) * 2, ("ninedot-apply@.service",) * 2, ("ninedot-apply@.service", "ninedot-apply-once.service")):
+                text = (SOURCE / "systemd" / name).read_text().replace("/usr/bin/ninedot", "/bin/true")
+                (pathlib.Path(folder) / instance).write_text(text)
+            verified = subprocess.run(["systemd-analyze", "verify", f"{folder}/ninedot-apply.socket"], capture_output=True, text=True, timeout=60)
+            self.assertEqual((verified.returncode, verified.stdout + verified.stderr), (0, ""))
+            told = subprocess.run(["systemd-analyze", "security", "--offline=true", "--no-pager", f"{folder}/ninedot-apply-once.service"], capture_output=True, text=True, timeout=60)
+        exposure = re.search(r"exposure level for \S+: ([\d.]+)", told.stdout)
+        self.assertTrue(exposure, told.stdout + told.stderr)
+        self.assertLessEqual(float(exposure[1]), 2.6)
 
 
 if __name__ == "__main__":

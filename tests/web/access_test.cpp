@@ -116,6 +116,38 @@ TEST(WebAccess, LetsThePageItselfChangeSomethingWithTheToken) {
   EXPECT_EQ(access.refusal_of(older, {}).status, 0U) << "a browser that does not send it, or no TLS";
 }
 
+TEST(WebAccess, TakesALongBodyWhereOneIsExpected) {
+  Access access = guarded_access();
+  RequestHead head = changing();
+  for (const char* path : {"/api/configuration/check", "/api/configuration/apply"}) {
+    head.path = path;
+    head.content_length = "262144";
+    EXPECT_EQ(access.refusal_of(head, {}).status, 0U) << path;
+    head.content_length = "262145";
+    EXPECT_EQ(access.refusal_of(head, {}).status, 413U) << path;
+  }
+  head.path = "/api/aim";
+  head.content_length = "129";
+  EXPECT_EQ(access.refusal_of(head, {}).status, 413U);
+  head.path = "/api/configuration";
+  EXPECT_EQ(access.refusal_of(head, {}).status, 405U) << "there is nothing to post to";
+}
+
+TEST(WebAccess, ChecksWithoutATokenWhereNoneIsSetButForNoOtherPage) {
+  Access open = open_access();
+  RequestHead head = changing();
+  head.authorization = "";
+  head.path = "/api/configuration/apply";
+  EXPECT_EQ(open.refusal_of(head, {}).status, 403U);
+  head.path = "/api/configuration/check";
+  EXPECT_EQ(open.refusal_of(head, {}).status, 0U);
+  head.origin = "";
+  EXPECT_EQ(open.refusal_of(head, {}).status, 403U);
+  head.origin = "http://127.0.0.1:8090";
+  Access guarded = guarded_access();
+  EXPECT_EQ(guarded.refusal_of(head, {}).status, 401U);
+}
+
 TEST(WebAccess, ChangesNothingWithoutAToken) {
   Access guarded = guarded_access();
   for (const char* path : {"/api/aim", "/api/recordings"}) {

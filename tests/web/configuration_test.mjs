@@ -43,6 +43,8 @@ for (const theme of ["light", "dark"])
       await write(page, `${changed(own.text).trimEnd()}\npictures_per_second = 5\n\n[pan_tilt]\ndriver = "hydraulic"\n`);
       await verdictIs(page, "2 things are wrong");
       await page.locator("#configuration-messages button").first().click();
+      await page.waitForFunction(() => /\[web\]/.test(document.querySelector("#configuration-help").textContent));
+      await page.evaluate(() => window.scrollTo(0, 0));
       const overflow = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
       assert.ok(overflow <= 0, `${overflow} px wider than the screen`);
       await page.screenshot({ path: path.join(PICTURES, `configuration-${theme}-${size}.png`), fullPage: true });
@@ -127,6 +129,7 @@ test("a change is applied after it was asked for once more, and is in force", as
   await page.waitForFunction(() => !document.querySelector("#configuration-apply").disabled);
   await page.click("#configuration-apply");
   assert.match(await page.locator("dialog.sure").textContent(), /1 line added, 1 line removed/);
+  await page.screenshot({ path: path.join(PICTURES, "configuration-sure.png") });
   await page.getByRole("button", { name: "Not now" }).click();
   assert.equal(own.file(), own.text, "not yet");
   await page.click("#configuration-apply");

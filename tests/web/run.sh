@@ -26,6 +26,7 @@ if [[ ${1:-} == pictures ]]; then
   node --test --test-name-pattern "is shown" aim_test.mjs
   node --test --test-name-pattern "is shown" recordings_test.mjs
   node --test --test-name-pattern "is shown" ar_test.mjs
+  node --test --test-name-pattern "is shown" configuration_test.mjs
   made=${NINEDOT_WEB_PICTURES:-${NINEDOT_BIN_DIR:-../../build/release/bin}/../web}
   cp "$made/live-light-desktop.png" ../../docs/page-live.png
   cp "$made/focus-light-desktop.png" ../../docs/page-focus.png
@@ -35,12 +36,14 @@ if [[ ${1:-} == pictures ]]; then
   cp "$made/aim-light-desktop.png" ../../docs/page-aim.png
   cp "$made/recordings-light-desktop.png" ../../docs/page-recordings.png
   cp "$made/ar-dark-desktop.png" ../../docs/page-ar.png
+  cp "$made/configuration-light-desktop.png" ../../docs/page-configuration.png
   cp "$made/live-dark-phone.png" ../../docs/page-phone.png
   exit
 fi
 node --test page_test.mjs
 node --test aim_test.mjs
 node --test recordings_test.mjs
+node --test configuration_test.mjs
 if [[ -d ../../programs/web/ar/node_modules ]]; then
   node --test ar_test.mjs
 else
