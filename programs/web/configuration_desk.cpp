@@ -28,7 +28,8 @@ namespace ninedot {
 namespace {
 
 constexpr std::size_t kMostLine_bytes = 400;
-constexpr int kPatience_s = 240;  // a check, a trial and the way back: one minute, and twice 30 s, with room
+constexpr int kPatience_s = 240;     // a check, a trial and the way back: one minute, and twice 30 s, with room
+constexpr int kSendPatience_s = 10;  // as long as the other side waits for a request
 constexpr std::chrono::seconds kUntilHeard{3};
 constexpr const char* kHowToPermit =
     "changes from the page are switched off on this machine. To permit them: systemctl enable --now "
@@ -102,6 +103,7 @@ bool send_all(int descriptor, std::string_view bytes) {
 ConfigurationDesk::~ConfigurationDesk() {
   {
     const std::lock_guard lock(mutex_);
+    is_ending_ = true;
     if (socket_ >= 0) ::shutdown(socket_, SHUT_RDWR);
   }
   if (thread_.joinable()) thread_.join();
@@ -174,14 +176,16 @@ DeskReply ConfigurationDesk::apply(std::string_view text, std::string_view tag, 
 
 void ConfigurationDesk::hand_over(const std::string& text) {
   const FileDescriptor descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  const timeval patience{kPatience_s, 0};
+  const timeval patience{kPatience_s, 0}, sending{kSendPatience_s, 0};
   ::setsockopt(descriptor.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  ::setsockopt(descriptor.get(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+  ::setsockopt(descriptor.get(), SOL_SOCKET, SO_SNDTIMEO, &sending, sizeof sending);
+  const int error = connect_to(descriptor.get(), socket_path_);
   {
+    // Shut down by whoever ends, if it is told of in time: one that is not connected yet can't be.
     const std::lock_guard lock(mutex_);
+    if (is_ending_) return;
     socket_ = descriptor.get();
   }
-  const int error = connect_to(descriptor.get(), socket_path_);
   if (error == 0 && send_all(descriptor.get(), fmt::format("apply {}\n", text.size()))) {
     static_cast<void>(send_all(descriptor.get(), text));  // one that reads no further has said why
     std::string line;

@@ -63,6 +63,7 @@ class ConfigurationDesk {
   MonoTime changed_at_{};
   std::uint32_t number_ = 0;
   bool has_new_file_ = false;
+  bool is_ending_ = false;
 };
 
 /// Every key with its unit, range, default and meaning: the table that docs/configuration.md is made of.

@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
-
 #include <array>
+#include <chrono>
 #include <fstream>
 #include <sstream>
 #include <type_traits>

@@ -6,7 +6,7 @@ import path from "node:path";
 import { after, afterEach, before, test } from "node:test";
 
 import { ConfigurationStage, TOKEN } from "./configuration_stage.mjs";
-import { PICTURES, Stage, browser, freePort, get, openPage, pause } from "./stage.mjs";
+import { PICTURES, Stage, browser, freePort, get, openPage, pause, until } from "./stage.mjs";
 
 const linked = { hash: `#token=${TOKEN}` };
 let own, chrome;
@@ -143,7 +143,7 @@ test("a change is applied after it was asked for once more, and is in force", as
   await page.waitForFunction(() => /No difference/.test(document.querySelector("#configuration-count").textContent));
   assert.equal((await own.state()).before, own.text);
   // The page's own process goes by the new file as well; the page finds it again.
-  await pause(4000);
+  await until("it is served anew", async () => own.stage.log("ninedot-web").match(/http:/g).length === 2);
   await page.click("#configuration-before");
   await verdictIs(page, "Nothing is wrong");
   await page.waitForFunction(() => !document.querySelector("#configuration-apply").disabled);
@@ -171,6 +171,19 @@ test("a change with which the service does not come up is taken back, and says w
   assert.equal(await textOf(page), text, "the edits are kept");
   await own.runs();
   await close();
+});
+
+test("a file by which the page itself can't be served leaves it as it was, and the way back open", async () => {
+  const other = await ConfigurationStage.open();
+  const bad = other.text.replace(/token_file = .*/, 'token_file = "/nowhere/token"');
+  assert.equal((await other.post("apply", bad, { headers: { "If-Match": (await other.state()).tag } })).status, 202);
+  assert.equal((await other.ended()).state, "up", "the service has no token");
+  await until("it says so", async () => /\/nowhere\/token: .*: the page goes on as it was/.test(other.stage.log("ninedot-web")));
+  const { tag, before } = await until("it is back", () => other.state());
+  assert.equal((await other.post("apply", before, { headers: { "If-Match": tag } })).status, 202);
+  assert.equal((await other.ended()).state, "up");
+  assert.equal(other.file(), other.text);
+  assert.deepEqual(await other.close(), [0, 0]);
 });
 
 test("what only the full check finds is refused, at the sensor itself", async () => {
@@ -271,7 +284,7 @@ test("texts that are made to cost much cost little", async (t) => {
     assert.equal(answer.status, 200, what);
     assert.ok(JSON.parse(answer.body).count > 0, what);
     t.diagnostic(`${what}: ${ms.toFixed(0)} ms, at most ${rss().toFixed(0)} MB so far`);
-    assert.ok(ms < 2000, `${what}: ${ms} ms`);
+    assert.ok(ms < 5000, `${what}: ${ms} ms`);
     assert.ok(rss() < 60, `${what}: ${rss()} MB, and the unit allows 64`);
   }
 });

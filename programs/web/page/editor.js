@@ -3,12 +3,13 @@ import { element } from "./dom.js";
 
 export class Editor {
   constructor(onEdit, onCursor) {
+    this.onCursor = onCursor;
     this.count = 0;
     this.marked = new Map();
     this.gutter = element("div.gutter", { "aria-hidden": "true" });
     this.text = element("textarea", { id: "configuration-text", wrap: "off", spellcheck: "false", autocapitalize: "off", autocomplete: "off", "aria-label": "Configuration", "aria-describedby": "configuration-keys",
       oninput: () => { this.number(); onEdit(); }, onscroll: () => this.follow() });
-    for (const event of ["keyup", "click", "focus", "input"]) this.text.addEventListener(event, () => onCursor(this.line));
+    for (const event of ["keyup", "click", "focus", "input"]) this.text.addEventListener(event, () => onCursor());
     this.node = element("div.editor", {}, this.gutter, this.text);
   }
 
@@ -63,6 +64,7 @@ export class Editor {
     this.text.scrollLeft = 0;
     this.node.scrollIntoView({ block: "nearest" });
     this.follow();
+    this.onCursor();
   }
 
   follow() {
