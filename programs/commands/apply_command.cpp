@@ -6,7 +6,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -110,7 +109,6 @@ void say_lines(const char* phase, std::string_view lines) {
 }
 
 void run_apply(const ApplyArguments& arguments) {
-  std::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): can't fail
   Apply apply(arguments);
   try {
     apply.run();
