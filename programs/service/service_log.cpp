@@ -20,7 +20,22 @@ bool comes_from_the_source(Reason reason) noexcept {
   return reason == Reason::kCameraLost || reason == Reason::kFrameSize || reason == Reason::kFrameUnreadable;
 }
 
+std::string text_of(const Error& error) {
+  if (error.os_errno == 0) return error.text;
+  return fmt::format("{} ({})", error.text, std::strerror(error.os_errno));
+}
+
 }  // namespace
+
+bool ServiceLog::Cause::is_another(const std::string& cause, MonoTime now) {
+  if (cause != seen_) {
+    seen_ = cause;
+    since_ = now;
+  }
+  if (seen_ == said_ || now - since_ < kOtherCause) return false;
+  said_ = seen_;
+  return true;
+}
 
 void ServiceLog::write(const std::string& line) {
   if (listener_ != nullptr) listener_->on_line(line, mono_now());
@@ -39,18 +54,25 @@ void ServiceLog::note(const Report& report, const Error& last_error, MonoTime no
     seen_ = report.reason;
     seen_since_ = now;
   }
-  if (seen_ == said_ || (said_ != Reason::kStarting && now - seen_since_ < kSettle)) return;
+  const bool has_cause = comes_from_the_source(seen_) && *last_error.text != '\0';
+  if (seen_ == said_) {
+    if (!has_cause) return;
+    if (!is_source_cause_known_) source_cause_.say(text_of(last_error));  // the start has told it in its own words
+    is_source_cause_known_ = true;
+    if (source_cause_.is_another(text_of(last_error), now))
+      write(fmt::format("{}: {}", reason_sentence(seen_), text_of(last_error)));
+    return;
+  }
+  if (said_ != Reason::kStarting && now - seen_since_ < kSettle) return;
   said_ = seen_;
+  is_source_cause_known_ = has_cause;
+  if (has_cause) source_cause_.say(text_of(last_error));
   if (seen_ == Reason::kNone) {
     write(fmt::format("landmark {} found at {:.3f} m", report.landmark_id, report.distance_m));
     return;
   }
-  std::string line(reason_sentence(seen_));
-  if (comes_from_the_source(seen_) && *last_error.text != '\0') {
-    line += fmt::format(": {}", last_error.text);
-    if (last_error.os_errno != 0) line += fmt::format(" ({})", std::strerror(last_error.os_errno));
-  }
-  write(line);
+  write(has_cause ? fmt::format("{}: {}", reason_sentence(seen_), text_of(last_error))
+                  : std::string(reason_sentence(seen_)));
 }
 
 void ServiceLog::note_device(const std::string& name, const std::string& problem, const std::string& description,
@@ -59,10 +81,16 @@ void ServiceLog::note_device(const std::string& name, const std::string& problem
   const bool is_in_use = problem.empty();
   if (is_in_use != device.is_in_use || !device.is_known) device.since = now;
   device.is_in_use = is_in_use;
-  if (device.is_known && (device.was_in_use == is_in_use || now - device.since < kSettle)) return;
+  if (device.is_known && device.was_in_use == is_in_use) {
+    if (!is_in_use && device.cause.is_another(problem, now))
+      write(fmt::format("{}: still waits for it: {}", name, problem));
+    return;
+  }
+  if (device.is_known && now - device.since < kSettle) return;
   const bool is_first = !device.is_known;
   device.is_known = true;
   device.was_in_use = is_in_use;
+  device.cause.say(problem);
   if (!is_in_use)
     write(fmt::format("{}: {}, waits for it: {}", name, is_first ? "not there" : "gone", problem));
   else if (!description.empty())

@@ -34,10 +34,12 @@ class ServiceLog {
   void note_camera_absent(const std::string& refusal);
 
   /// Says when the landmark comes and goes and when the camera fails and recovers: a change that has lasted for
-  /// kSettle (and the very first one at once), so that a landmark at the edge of sight does not fill the disk.
+  /// kSettle (and the very first one at once), so that a landmark at the edge of sight does not fill the disk. Of a
+  /// camera that stays away also another error that has lasted for kOtherCause: what hinders it now may be mended.
   void note(const Report& report, const Error& last_error, MonoTime now);
 
-  /// Says when a device goes and when it is back, likewise; of the first time only what is to be said.
+  /// Says when a device goes, what else keeps it away, and when it is back, likewise; of the first time only what is to
+  /// be said.
   /// \param problem  why it is not in use; empty: it is \param description  about one in use; may be empty
   void note_device(const std::string& name, const std::string& problem, const std::string& description, MonoTime now);
 
@@ -49,6 +51,8 @@ class ServiceLog {
 
  private:
   static constexpr std::chrono::milliseconds kSettle{500};
+  /// Longer than the longest pause between two attempts: one that fails in turns in two ways is not told twice.
+  static constexpr std::chrono::seconds kOtherCause{15};
   static constexpr std::chrono::minutes kSeriesPeriod{1};
   LiveDisplay* display_;
   LogListener* listener_ = nullptr;
@@ -56,10 +60,26 @@ class ServiceLog {
   Reason seen_ = Reason::kStarting;
   MonoTime seen_since_{};
 
+  /// Why something stays away: what was said of it, and what is so by now.
+  class Cause {
+   public:
+    /// What is said, or was by somebody else.
+    void say(const std::string& cause) { said_ = seen_ = cause; }
+    /// \return  whether it is another one that has lasted; then it counts as said
+    bool is_another(const std::string& cause, MonoTime now);
+
+   private:
+    std::string said_, seen_;
+    MonoTime since_{};
+  };
+  Cause source_cause_;
+  bool is_source_cause_known_ = false;
+
   struct Device {
     bool is_known = false, was_in_use = false;  // what was said
     bool is_in_use = false;
     MonoTime since{};
+    Cause cause;
   };
   struct Series {
     std::uint64_t said = 0;

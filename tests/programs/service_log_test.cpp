@@ -87,6 +87,39 @@ TEST(ServiceLog, TellsOfADeviceOnceWhenItGoesAndOnceWhenItIsBack) {
   EXPECT_EQ(note("", 6s), "");
 }
 
+TEST(ServiceLog, TellsOnceWhatElseKeepsADeviceAwayWhenItHasLasted) {
+  ServiceLog log;
+  const auto note = [&](const char* problem, std::chrono::nanoseconds since) {
+    return written([&] { log.note_device("head", problem, "", at(since)); });
+  };
+  EXPECT_EQ(note("no chip", 0s), "ninedotd: head: not there, waits for it: no chip\n");
+  EXPECT_EQ(note("no chip", 60s), "");
+  EXPECT_EQ(note("not permitted", 61s), "");
+  EXPECT_EQ(note("not permitted", 75s), "");
+  EXPECT_EQ(note("not permitted", 77s), "ninedotd: head: still waits for it: not permitted\n");
+  EXPECT_EQ(note("not permitted", 300s), "");
+  std::string lines;
+  for (int second = 300; second < 900; ++second) lines += note(second / 5 % 2 == 0 ? "busy" : "no chip", second * 1s);
+  EXPECT_EQ(lines, "") << "one that fails in turns in two ways";
+}
+
+TEST(ServiceLog, TellsOnceWhatElseKeepsTheCameraAwayWhenItHasLasted) {
+  ServiceLog log;
+  const auto note = [&](int error, std::chrono::nanoseconds since) {
+    return written([&] {
+      log.note(report_of(Reason::kCameraLost), {Errc::kCameraLost, error, "not open"}, at(since));
+    });
+  };
+  EXPECT_EQ(written([&] { log.note_camera_absent("/dev/video9: no such camera"); }),
+            "ninedotd: camera: waits for it: /dev/video9: no such camera\n");
+  EXPECT_EQ(note(ENOENT, 0s), "");
+  EXPECT_EQ(note(ENOENT, 60s), "");
+  EXPECT_EQ(note(EPERM, 61s), "");
+  EXPECT_EQ(note(EPERM, 77s), "ninedotd: " + std::string(reason_sentence(Reason::kCameraLost)) +
+                                  ": not open (Operation not permitted)\n");
+  EXPECT_EQ(note(EPERM, 600s), "");
+}
+
 TEST(ServiceLog, TellsAtOnceWhatIsMissingAtTheStartAndWhatThereIsToSay) {
   ServiceLog log;
   EXPECT_EQ(written([&] { log.note_device("LED", "no chip", "", at(0s)); }),
