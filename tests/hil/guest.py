@@ -30,13 +30,13 @@ def free_port():
 class Guest:
     """Context manager. `extra` are further arguments of QEMU; {folder} in them becomes a private folder for sockets."""
 
-    MODBUS_PORT, FILES_PORT = 1502, 8080
+    MODBUS_PORT, FILES_PORT, PAGE_PORT = 1502, 8080, 8090
 
     def __init__(self, image, log, extra=()):
         self.image = pathlib.Path(image)
         self.log = pathlib.Path(log)
         self.extra = list(extra)
-        self.modbus_port, self.files_port = free_port(), free_port()
+        self.modbus_port, self.files_port, self.page_port = free_port(), free_port(), free_port()
         self.process = None
         self.channel = None
         self.serial_number = 0
@@ -95,7 +95,8 @@ class Guest:
             f"unix:{self.folder / 'qmp'},server=on,wait=off",
             "-netdev",
             f"user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:{self.modbus_port}-:{self.MODBUS_PORT}"
-            f",hostfwd=tcp:127.0.0.1:{self.files_port}-:{self.FILES_PORT}",
+            f",hostfwd=tcp:127.0.0.1:{self.files_port}-:{self.FILES_PORT}"
+            f",hostfwd=tcp:127.0.0.1:{self.page_port}-:{self.PAGE_PORT}",
             "-device",
             "virtio-net-pci,netdev=net,romfile=",
         ] + [argument.format(folder=self.folder) for argument in self.extra]

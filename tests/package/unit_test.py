@@ -81,6 +81,12 @@ class Unit(unittest.TestCase):
         groups = self.value("Service", "SupplementaryGroups").split()
         self.assertEqual({"video", "gpio", "dialout", "i2c"} - set(groups), set())
 
+    def test_kinds_of_devices_that_are_modules_are_known_before_anything_is_plugged_in(self):
+        # systemd looks a kind's number up once, when the service starts; the other kinds are in every kernel that has their hardware.
+        for module in ("videodev", "usbserial", "cdc_acm", "i2c_dev"):
+            for key in ("After", "Wants"):
+                self.assertIn(f"modprobe@{module}.service", " ".join(v for _, k, v in self.settings if k == key).split())
+
     def test_a_reload_checks_the_file_and_then_sends_the_signal_that_reads_the_map(self):
         commands = [value for _, key, value in self.settings if key == "ExecReload"]
         self.assertEqual(commands, [self.value("Service", "ExecStartPre"), "/bin/kill -HUP $MAINPID"])
@@ -167,6 +173,10 @@ class ApplyUnits(unittest.TestCase):
         told = subprocess.run([BIN / "ninedot-web", "--help"], capture_output=True, text=True, timeout=60).stdout
         self.assertIn(listens, told)
         self.assertIn("AF_UNIX", self.value(settings((SOURCE / "systemd" / "ninedot-web.service").read_text()), "RestrictAddressFamilies"))
+
+    def test_all_that_is_running_is_out_of_reach_for_all_of_them(self):
+        for unit in ("ninedotd.service", "ninedot-web.service", "ninedot-apply@.service"):
+            self.assertEqual(self.value(settings((SOURCE / "systemd" / unit).read_text()), "ReadOnlyPaths"), "/run", unit)
 
     def test_it_reads_what_it_is_sent_with_the_rights_of_the_service_and_writes_one_folder(self):
         command = shlex.split(self.value(self.service, "ExecStart"))

@@ -1,0 +1,481 @@
+"""The packages as apt installs them, under systemd and udev: the service in its sandbox on devices that come late, what the sandbox
+keeps from it, and the page with the units that let it record and change the configuration. As root; elsewhere it is left out."""
+
+import http.client
+import json
+import os
+import pathlib
+import subprocess
+import time
+
+from cable import Cable
+from guest import Guest
+from registers import Registers
+from serial_stage import Master
+from service_harness import Client
+from vivid import Vivid
+
+CHECKS = SMOKE_CHECKS = (
+    "out-of-the-box",
+    "as-its-user",
+    "real-time",
+    "absent-at-start",
+    "devices-come",
+    "never-restarted",
+    "one-line-each",
+    "check-beside",
+    "check-lists-all",
+    "udev-pwm",
+    "udev-postinst",
+    "sandbox-devices",
+    "sandbox-files",
+    "wrong-file",
+    "page",
+    "page-records",
+    "apply-off",
+    "apply-up",
+    "apply-refused",
+    "apply-back",
+    "apply-stopped",
+    "apply-rights",
+)
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+CONFIG = "/etc/ninedot/ninedot.toml"
+NODE = "/dev/ttyUSB0"
+STILL = "/media/stills/10.raw"
+ROUNDS = int(os.environ.get("NINEDOT_HIL_ROUNDS", "2"))  # of devices that are absent at the start
+ABSENT_S = 60
+# Under emulation; the pauses before a device is tried again begin at 0.1 s and double up to 5 s.
+BACK_WITHIN_S = 60
+REASON_NO_FRAME_YET, REASON_CAMERA_LOST = 1, 4
+STATUS_FAULT, STATUS_HAS_HEAD = 1 << 12, 1 << 13
+PAN, TILT, POWER = 0, 5, 0
+TOKEN = "0123456789abcdef0123456789abcdef"
+
+LATE = f"""[camera]
+source = "v4l2"
+device = "/dev/video0"
+rate_hz = 59.94
+pixel_format = "GREY"
+calibration = "/media/scenes/camera.yaml"
+[modbus]
+allow_writes = true
+[modbus.tcp]
+listen = "0.0.0.0"
+[modbus.rtu]
+device = "{NODE}"
+baud = 115200
+parity = "E"
+unit = 7
+[pan_tilt]
+driver = "sysfs-pwm"
+follow = false
+[pan_tilt.pan]
+chip = "CHIP"
+channel = {PAN}
+[pan_tilt.tilt]
+chip = "CHIP"
+channel = {TILT}
+[gpio]
+servo_power = "servo-power"
+"""
+
+PAGE = """[camera]
+source = "recording"
+device = "/usr/share/ninedot/recordings/approach"
+rate_hz = 10.0
+[modbus.tcp]
+listen = "0.0.0.0"
+[tap]
+enabled = true
+[web]
+listen = "0.0.0.0"
+token_file = "/etc/ninedot/token"
+recordings = "/var/lib/ninedot-web"
+"""
+
+
+class Installed:
+    def __init__(self, stage, guest):
+        self.stage, self.guest = stage, guest
+        self.chip = None
+        self.client = None
+
+    def show(self, what, unit="ninedotd"):
+        return self.guest.check(f"systemctl show -P {what} {unit}")
+
+    def journal(self, unit="ninedotd"):
+        """Of this start."""
+        return self.guest.check(f"journalctl -q -o cat -u {unit} _SYSTEMD_INVOCATION_ID=$(systemctl show -P InvocationID {unit}) --no-pager", 60)
+
+    def configure(self, text):
+        self.guest.write(CONFIG, text)
+
+    def restart(self):
+        """systemctl itself waits until the service is ready. \\return  seconds"""
+        started = time.monotonic()
+        self.guest.check("systemctl reset-failed ninedotd; systemctl restart ninedotd", 120)
+        return time.monotonic() - started
+
+    def read(self):
+        """A new connection where the last one's service is gone."""
+        deadline = time.monotonic() + BACK_WITHIN_S
+        while True:
+            try:
+                self.client = self.client or Client(port=self.guest.modbus_port).__enter__()
+                return Registers(self.client.read(0, 86))
+            except Exception:
+                if self.client:
+                    self.client.__exit__()
+                self.client = None
+                if time.monotonic() > deadline:
+                    raise
+                time.sleep(0.2)
+
+    def wait_for(self, condition, what, within_s=BACK_WITHIN_S):
+        """\\return  seconds"""
+        started = time.monotonic()
+        while True:
+            registers = self.read()
+            if condition(registers):
+                return time.monotonic() - started
+            if time.monotonic() - started > within_s:
+                raise AssertionError(
+                    f"not within {within_s} s: {what}; valid {registers.valid}, reason {registers.reason}, status {registers.word(4):#06x}; journal:\n{self.journal()}"
+                )
+            time.sleep(0.05)
+
+    # As it comes.
+
+    def out_of_the_box(self):
+        failed = self.guest.check("systemctl list-units --failed --plain --no-legend")
+        # As installed it listens on the machine itself alone.
+        poses = self.guest.run("for _ in $(seq 30); do ninedot status | grep '^pose  *valid' && exit 0; sleep 1; done; exit 1", 120)
+        self.stage.ok(
+            "out-of-the-box",
+            not failed and poses[0] == 0 and self.show("ActiveState") == "active" and self.show("NRestarts") == "0",
+            f"enabled by the installation, it serves valid poses after the boot; failed units: {failed or 'none'}; {poses[1][:120]}",
+        )
+        owner = self.guest.check("stat -c %U /proc/$(systemctl show -P MainPID ninedotd)")
+        rights = self.guest.check("grep -E '^(CapEff|NoNewPrivs|Seccomp):' /proc/$(systemctl show -P MainPID ninedotd)/status").split()
+        self.stage.ok(
+            "as-its-user",
+            owner == "ninedot" and int(rights[1], 16) == 0 and rights[3] == "1" and rights[5] == "2",
+            f"user {owner}, {' '.join(rights)}",
+        )
+        threads = self.guest.check("for t in /proc/$(systemctl show -P MainPID ninedotd)/task/*; do cut -d' ' -f 40-41 $t/stat; done").splitlines()
+        locked = self.guest.check("sed -n 's/^VmLck: *//p' /proc/$(systemctl show -P MainPID ninedotd)/status")
+        fifo = [line for line in threads if line.endswith(" 1")]
+        self.stage.ok(
+            "real-time",
+            fifo and not locked.startswith("0 "),
+            f"{len(fifo)} of {len(threads)} threads SCHED_FIFO (priority {', '.join(line.split()[0] for line in fifo)}), {locked} locked",
+        )
+
+    # Devices that come late.
+
+    def add_chip(self):
+        bus = self.bus
+        self.guest.check(f"echo pca9685 0x40 > /sys/bus/i2c/devices/i2c-{bus}/new_device && udevadm settle")
+
+    def remove_chip(self):
+        self.guest.run(f"echo 0x40 > /sys/bus/i2c/devices/i2c-{self.bus}/delete_device")
+
+    def add_lines(self):
+        self.guest.check("echo 1 > /sys/kernel/config/gpio-sim/hil/live && udevadm settle")
+
+    def power(self):
+        chip = self.guest.check("cat /sys/kernel/config/gpio-sim/hil/dev_name /sys/kernel/config/gpio-sim/hil/bank/chip_name").split()
+        return int(self.guest.check(f"cat /sys/devices/platform/{chip[0]}/{chip[1]}/sim_gpio{POWER}/value"))
+
+    def prepare(self):
+        self.guest.check("modprobe i2c-stub chip_addr=0x40 && modprobe pwm-pca9685 && modprobe gpio-sim")
+        self.bus = self.guest.check("grep -l stub /sys/bus/i2c/devices/i2c-*/name | sed 's/.*i2c-\\([0-9]*\\).*/\\1/'")
+        self.guest.check(
+            "mountpoint -q /sys/kernel/config || mount -t configfs configfs /sys/kernel/config\n"
+            f"cd /sys/kernel/config/gpio-sim && mkdir hil hil/bank hil/bank/line{POWER} && echo 8 > hil/bank/num_lines &&\n"
+            f"echo hil-lines > hil/bank/label && echo servo-power > hil/bank/line{POWER}/name"
+        )
+
+    def round(self, cable):
+        """\\return  (seconds until it is ready, what was seen without, seconds until camera, line, head work)"""
+        self.guest.check("systemctl stop ninedotd")
+        self.remove_chip()
+        # Unloaded, too: whose driver was never there systemd has never heard of.
+        self.guest.run("echo 0 > /sys/kernel/config/gpio-sim/hil/live; kill $(cat /tmp/player.pid /tmp/player.child); rm -f /tmp/player.pid; sleep 1; modprobe -r vivid")
+        cable.unplug()
+        self.guest.run("sleep 1; modprobe -r ftdi_sio i2c-dev")
+        absent = self.guest.check(f"ls -d /dev/video* {NODE} /dev/gpiochip* /sys/class/pwm/pwmchip* 2> /dev/null; true")
+        if absent:
+            raise AssertionError(f"still there: {absent}")
+        ready_s = self.restart()
+        time.sleep(ABSENT_S)
+        registers = self.read()
+        without = (self.show("ActiveState"), registers.valid, registers.reason, bool(registers.word(4) & STATUS_FAULT))
+        plugged = time.monotonic()
+        vivid = Vivid(self.guest)
+        vivid.play(STILL)
+        self.wait_for(lambda registers: registers.valid, "a pose of the camera that came")
+        camera_s = time.monotonic() - plugged
+        cable.plug()
+        plugged = time.monotonic()
+        with Master(cable.device, timeout_s=1.0) as master:
+            while True:
+                try:
+                    line = Registers(master.read(0, 86))
+                    break
+                except Exception:
+                    if time.monotonic() - plugged > BACK_WITHIN_S:
+                        raise
+                    master.client.close()
+                    master.client.connect()
+        line_s = time.monotonic() - plugged
+        self.add_lines()
+        self.add_chip()
+        plugged = time.monotonic()
+        self.wait_for(lambda registers: not registers.word(4) & STATUS_FAULT and registers.word(4) & STATUS_HAS_HEAD, "the head that came")
+        head_s = time.monotonic() - plugged
+        status, text = self.guest.run("ninedot aim --pan-deg 20 --tilt-deg -10", 60)
+        good = line.valid and status == 0 and self.power() == 1
+        return ready_s, without, (camera_s, line_s, head_s), good, text
+
+    def late_devices(self, cable):
+        self.prepare()
+        self.configure(LATE.replace("CHIP", f"{self.bus}-0040"))
+        rows, absent, came, restarts, lines = [], True, True, [], []
+        for turn in range(1, ROUNDS + 1):
+            ready_s, without, seconds, good, text = self.round(cable)
+            absent &= without == ("active", False, REASON_CAMERA_LOST, True)
+            came &= good
+            restarts.append(self.show("NRestarts"))
+            lines.append(self.journal().splitlines())
+            rows.append((turn, f"{ready_s:.1f} s", *(f"{value:.1f} s" for value in seconds), text))
+        self.stage.ok(
+            "absent-at-start",
+            absent,
+            f"{ROUNDS} times without camera, RTU adapter, GPIO chip and PWM chip for {ABSENT_S} s: ready {rows[-1][1]} after the start, then {without}",
+        )
+        self.stage.ok("devices-come", came, f"camera, RTU and head work after {', '.join(rows[-1][2:5])} in the last of {ROUNDS} rounds: {text}")
+        self.stage.table("Absent at the start, plugged after 60 s", ("round", "ready", "pose", "RTU", "head", "`ninedot aim`"), rows)
+        self.stage.ok("never-restarted", set(restarts) == {"0"}, f"NRestarts {restarts}")
+        # Of each device that it is missed, and that it is there; of the camera the latter is said with what it sees.
+        said = ("camera: waits for it:", "Modbus RTU: not there, waits for it:", "pan/tilt: not there, waits for it:", "Modbus RTU: there", "pan/tilt: sysfs-pwm", "landmark 0 found")
+        counts = [[sum(f"ninedotd: {words}" in line for line in of) for words in said] for of in lines]
+        self.stage.ok(
+            "one-line-each",
+            all(count == [1] * len(said) for count in counts) and all(len(set(of)) == len(of) for of in lines),
+            f"{max(map(len, lines))} lines at most in the journal of one round; {', '.join(said)}: {counts[-1]} times",
+        )
+        status, text = self.guest.run(f"ninedot check --config {CONFIG}", 60)
+        self.stage.ok(
+            "check-beside",
+            status == 0 and "running ninedotd" in text and "in use" in text,
+            f"status {status}: {' | '.join(text.splitlines())}",
+        )
+        self.guest.write("/tmp/wrong.toml", LATE.replace("CHIP", "9-0040").replace("unit = 7", "unit = 700").replace("GREY", "GRAY") + "[web]\nport = 0\n")
+        status, text = self.guest.run("ninedot check --file-only --config /tmp/wrong.toml")
+        named = [word for word in ("unit", "pixel_format", "port") if word in text]
+        self.stage.ok("check-lists-all", status == 2 and len(named) == 3, f"status {status}: {' | '.join(text.splitlines())}")
+
+    def udev(self):
+        files = "$(ls -d /sys/class/pwm/pwmchip*)/export"
+        group = self.guest.check(f"stat -c '%G %a' {files}")
+        channel = self.guest.check(f"stat -c '%G %a' $(ls -d /sys/class/pwm/pwmchip*)/pwm{PAN}/duty_cycle")
+        self.stage.ok("udev-pwm", group == "gpio 260" and channel == "gpio 664", f"export: {group}; the channel that the service exported: {channel}")
+        # A machine on which the chip was there before the package: nothing is reported again by itself.
+        self.guest.check(f"systemctl stop ninedotd; chgrp root {files} && chmod 200 {files}")
+        self.guest.check("dpkg -i /root/ninedot_*.deb > /tmp/dpkg.log 2>&1 || { cat /tmp/dpkg.log; exit 1; }; udevadm settle", 120)
+        group = self.guest.check(f"stat -c '%G %a' {files}")
+        self.stage.ok("udev-postinst", group == "gpio 260", f"after an installation beside the chip: {group}")
+
+    # What the sandbox keeps from it.
+
+    def in_sandbox(self, command):
+        """With the unit's own lines, but for what it starts. \\return  what it wrote"""
+        self.guest.check(
+            "sed -e '/^Exec/d; s/^Type=.*/Type=oneshot/; /^Watchdog/d; /^Restart/d; /^NotifyAccess/d' /lib/systemd/system/ninedotd.service > /run/systemd/system/probe.service"
+        )
+        self.guest.write("/tmp/probe.sh", f"echo probe begins\n{command}")
+        self.guest.check(
+            "mkdir -p /opt && cp /tmp/probe.sh /opt/probe.sh && chmod 755 /opt/probe.sh &&"
+            " sed -i 's|^\\[Service\\]|[Service]\\nExecStart=/bin/sh /opt/probe.sh|' /run/systemd/system/probe.service && systemctl daemon-reload"
+        )
+        self.guest.check("systemctl start probe", 60)
+        lines = self.guest.check("journalctl --sync; journalctl -q -o cat -u probe --no-pager", 60)
+        return lines.rpartition("probe begins\n")[2]
+
+    def sandbox(self):
+        needed = {"/dev/video0", "/dev/ttyUSB0", "/dev/gpiochip0"}
+        others = {"/dev/vda", "/dev/mem", "/dev/hvc0", "/dev/kmsg"}
+        # By their modes anybody might: what keeps it out is the unit alone.
+        self.guest.check(f"chmod 666 {' '.join(others)}")
+        nodes = " ".join(sorted(needed | others))
+        text = self.in_sandbox(f'for n in {nodes}; do if ( : <> $n ) 2> /tmp/why; then echo "open $n"; else echo "closed $n"; fi; done')
+        opened = [line.split()[1] for line in text.splitlines() if line.startswith("open ")]
+        closed = [line.split()[1] for line in text.splitlines() if line.startswith("closed ")]
+        self.stage.ok(
+            "sandbox-devices",
+            set(opened) == needed and set(closed) == others,
+            f"opened: {' '.join(opened)}; not: {' '.join(closed)}",
+        )
+        files = "/etc/ninedot/open /etc/open /var/open /run/open /home/open /usr/bin/open"
+        self.guest.check(f"for f in {files}; do : > $f; chmod 666 $f; done")
+        text = self.in_sandbox(
+            f"for f in {files}; do if ( : >> $f ) 2> /dev/null; then echo open $f; else echo closed $f; fi; done\n"
+            "cp /bin/true /tmp/true; if chmod u+s /tmp/true 2> /dev/null; then echo open suid; else echo closed suid; fi\n"
+            "if unshare -U true 2> /dev/null; then echo open namespace; else echo closed namespace; fi"
+        )
+        opened = [line for line in text.splitlines() if line.startswith("open ")]
+        closed = [line for line in text.splitlines() if line.startswith("closed ")]
+        self.stage.ok("sandbox-files", not opened and len(closed) == 8, f"written, or more: {opened or 'nothing'}; of {len(closed)} tries")
+
+    def wrong_file(self):
+        self.configure("[camera]\nsource = 'nothing'\n")
+        self.guest.run("systemctl restart ninedotd", 60)
+        time.sleep(12)
+        restarts = int(self.show("NRestarts"))
+        said = self.guest.check("journalctl -q -o cat -u ninedotd -n 20 --no-pager | grep 'source' | tail -n 1")
+        self.configure(PAGE)
+        back_s = self.restart()
+        self.stage.ok(
+            "wrong-file",
+            restarts >= 1 and f"{CONFIG}:2" in said,
+            f"started again {restarts} times in 12 s, for as long as it takes, and says why: {said}; right again {back_s:.1f} s after the file is",
+        )
+
+    # The page.
+
+    def request(self, method, path, body=None, headers=()):
+        connection = http.client.HTTPConnection("127.0.0.1", self.guest.page_port, timeout=60)
+        host = f"127.0.0.1:{self.guest.page_port}"
+        own = {"Authorization": f"Bearer {TOKEN}", "Host": host}
+        if method == "POST":
+            own["Origin"] = f"http://{host}"
+        connection.request(method, path, body, {**own, **dict(headers)})
+        reply = connection.getresponse()
+        return reply.status, reply.read()
+
+    def page(self):
+        self.guest.check(f"(umask 077; echo {TOKEN} > /etc/ninedot/token); chown ninedot-web /etc/ninedot/token; systemctl start --no-block ninedot-web")
+        deadline = time.monotonic() + BACK_WITHIN_S
+        while True:
+            try:
+                status, body = self.request("GET", "/api/live?viewer=installedtest")
+                if status == 200 and b'"valid":true' in body:
+                    break
+            except OSError:
+                status, body = 0, b""
+            if time.monotonic() > deadline:
+                raise AssertionError(f"the page shows no frame: {status} {body[:200]}; {self.journal('ninedot-web')}")
+            time.sleep(0.3)
+        owner = self.guest.check("stat -c %U /proc/$(systemctl show -P MainPID ninedot-web)")
+        self.stage.ok("page", owner == "ninedot-web", f"frames with their poses, as user {owner}")
+        status, body = self.request("POST", "/api/recordings", "start")
+        time.sleep(5)
+        stopped, _ = self.request("POST", "/api/recordings", "stop")
+        time.sleep(3)
+        files = self.guest.check("find /var/lib/ninedot-web/ -name '*.png' | wc -l; stat -L -c '%U %a' /var/lib/ninedot-web").split("\n")
+        self.stage.ok(
+            "page-records",
+            status == stopped == 200 and int(files[0]) > 0 and files[1] == "ninedot-web 700",
+            f"{files[0]} pictures in its own folder ({files[1]}); {status} {body.decode()[:120]}",
+        )
+
+    def file(self):
+        return json.loads(self.request("GET", "/api/configuration")[1])
+
+    def apply(self, text, within_s=200):
+        """\\return  (HTTP status, how it ended, its lines)"""
+        tag = self.file()["tag"]
+        status, body = self.request("POST", "/api/configuration/apply", text, {"If-Match": tag})
+        if status != 202:
+            return status, "", body.decode()
+        deadline = time.monotonic() + within_s
+        while time.monotonic() < deadline:
+            try:
+                state = json.loads(self.request("GET", "/api/configuration/apply")[1])
+            except OSError:  # the page goes by the new file
+                time.sleep(0.3)
+                continue
+            if state["state"] != "running":
+                return status, state["state"], " | ".join(state["lines"])
+            time.sleep(0.5)
+        raise AssertionError(f"no end of it: {state}; {self.guest.check('journalctl -q -o cat -u ninedot-apply@* --no-pager | tail -n 20')}")
+
+    def applies(self):
+        changed = PAGE.replace("rate_hz = 10.0", "rate_hz = 12.0")
+        status, _, text = self.apply(changed)
+        self.stage.ok("apply-off", status == 403 and self.guest.check(f"cat {CONFIG}").strip() == PAGE.strip(), f"{status}: {text.strip()}")
+        self.guest.check("systemctl enable --now ninedot-apply.socket 2>&1")
+        rights = self.guest.check(f"stat -c '%U:%G %a' {CONFIG}")
+        process = self.show("MainPID")
+        status, end, text = self.apply(changed)
+        now = self.guest.check(f"cat {CONFIG}")
+        self.stage.ok(
+            "apply-up",
+            end == "up" and now.strip() == changed.strip() and process != self.show("MainPID") and self.guest.check(f"cat {CONFIG}.before").strip() == PAGE.strip(),
+            f"{status} {end}: {text}",
+        )
+        self.stage.ok(
+            "apply-rights",
+            self.guest.check(f"stat -c '%U:%G %a' {CONFIG}") == rights
+            and self.guest.run("setpriv --reuid ninedot --regid ninedot --init-groups busybox nc local:/run/ninedot-apply.socket < /dev/null")[0] != 0
+            and self.guest.check("stat -c '%U:%G %a' /run/ninedot-apply.socket") == "root:ninedot-web 660",
+            f"the file is {rights} as before; the socket is the page's alone",
+        )
+        process = self.show("MainPID")
+        status, end, text = self.apply(changed.replace("recordings/approach", "recordings/nowhere"))
+        self.stage.ok(
+            "apply-refused",
+            end == "refused" and self.guest.check(f"cat {CONFIG}") == now and self.show("MainPID") == process and "/usr/share/ninedot/recordings/nowhere" in text,
+            f"{status} {end}: {text}",
+        )
+        # A right file, with which the service still does not come up.
+        self.fault("ExecStartPre=/bin/sh -c '! grep -q \"rate_hz = 13\" /etc/ninedot/ninedot.toml'")
+        status, end, text = self.apply(changed.replace("12.0", "13.0"))
+        self.wait_for(lambda registers: registers.valid, "poses by the old file")
+        self.stage.ok("apply-back", self.is_as_before(now) and end == "back", f"{status} {end}: {text}")
+        self.fault("ExecStartPre=/bin/sleep 15")
+        before = self.file()["tag"]
+        self.request("POST", "/api/configuration/apply", changed.replace("12.0", "14.0"), {"If-Match": before})
+        self.guest.check(f"for _ in $(seq 200); do grep -q 'rate_hz = 14' {CONFIG} && break; sleep 0.1; done; grep -q 'rate_hz = 14' {CONFIG}", 60)
+        self.guest.check("systemctl stop 'ninedot-apply@*'", 120)
+        self.wait_for(lambda registers: registers.valid, "poses by the old file")
+        self.stage.ok("apply-stopped", self.is_as_before(now), f"stopped while the service was starting: {self.apply_state()}")
+
+    def fault(self, line):
+        self.guest.write("/run/systemd/system/ninedotd.service.d/fault.conf", f"[Service]\n{line}")
+        self.guest.check("systemctl daemon-reload")
+
+    def is_as_before(self, text):
+        return self.guest.check(f"cat {CONFIG}") == text and self.guest.run(f"ls {CONFIG}.last-good")[0] != 0
+
+    def apply_state(self):
+        state = json.loads(self.request("GET", "/api/configuration/apply")[1])
+        return f"{state['state']}: {' | '.join(state['lines'])}"
+
+
+def run(stage):
+    if os.geteuid() != 0:
+        stage.leave_out("needs root, to make a Debian with the packages: sudo ./dev hil installed")
+        return
+    image = stage.out / "installed"
+    made = subprocess.run([SOURCE / "tests" / "hil" / "installed_image.sh", SOURCE / "build/package/package", stage.out / "media", image])
+    if made.returncode != 0:
+        raise AssertionError("the image could not be made")
+    extra = [
+        "-drive", f"file={image / 'disk'},format=raw,if=virtio,snapshot=on",
+        "-chardev", "socket,id=usb,path={folder}/usb,server=on,wait=off",
+        "-device", "qemu-xhci",
+        "-device", "usb-serial,chardev=usb",
+    ]  # fmt: skip
+    with Guest(image, stage.out / "console-installed.log", extra) as guest, Cable(guest.folder / "usb") as cable:
+        test = Installed(stage, guest)
+        test.out_of_the_box()
+        test.late_devices(cable)
+        test.udev()
+        test.sandbox()
+        test.wrong_file()
+        test.page()
+        test.applies()
