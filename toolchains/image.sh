@@ -24,12 +24,23 @@ drivers_left_out=(sound kernel/sound drivers/gpu drivers/infiniband drivers/scsi
   drivers/net/wireless fs/btrfs fs/xfs fs/ocfs2 fs/gfs2 fs/ceph fs/bcachefs drivers/md drivers/isdn drivers/accel)
 
 require_root
-for tool in mmdebstrap mksquashfs mcopy mkfs.vfat mke2fs sfdisk cpio depmod xz; do
+for tool in mmdebstrap mksquashfs mcopy mkfs.vfat mke2fs sfdisk cpio depmod xz dtc; do
   command -v "$tool" > /dev/null || roots_fail "needs $tool: ./dev packages cross image"
 done
 require_emulation arm64
 SOURCE_DATE_EPOCH=$(source_date_epoch)
 export SOURCE_DATE_EPOCH
+
+# Kept in the root as packages: what is unpacked later without its installation scripts, which would make an initrd under emulation for minutes;
+# and the kernel's headers and source, of the very same version, for toolchains/modules.sh.
+# shellcheck disable=SC2016
+download_kernel='
+cd /board
+kernel=$(apt-cache depends linux-image-arm64 | sed -n "s/.*Depends: \(linux-image-[0-9].*\)/\1/p" | head -n 1)
+apt-get download busybox-static raspi-firmware "$kernel"
+version=$(dpkg-deb -f "$kernel"_*.deb Version) abi=${kernel#linux-image-}
+source=linux-source-$(echo "$abi" | cut -d . -f 1,2)
+apt-get download "linux-headers-$abi=$version" "linux-headers-${abi%-arm64}-common=$version" "linux-kbuild-${abi%-arm64}=$version" "$source=$version"'
 
 # debian_base DEB: the folder with Debian's part, made if need be. The packages that the ninedot package asks for are in it.
 debian_base() {
@@ -37,7 +48,7 @@ debian_base() {
   sources=$(board_sources)
   names=$( (dpkg-deb -f "$1" Depends | tr ',' '\n' | sed 's/|.*//; s/(.*//; s/ //g'
     sed 's/#.*//; s/ //g' systemd/image/packages.txt) | grep . | sort -u)
-  key=$(sha256sum <<< "$sources $names ${left_out[*]}" | cut -c 1-12)
+  key=$(sha256sum <<< "$sources $names ${left_out[*]} $download_kernel" | cut -c 1-12)
   base=$ninedot_cache/board-$key
   if [[ ! -d $base ]]; then
     echo "== making Debian's part: $base (takes 5 to 10 minutes)" >&2
@@ -46,11 +57,9 @@ debian_base() {
     log=$ninedot_cache/board.log
     for place in "${left_out[@]}"; do option+=("--dpkgopt=path-exclude=$place*"); done
     option+=("--dpkgopt=path-exclude=/usr/share/doc/*" "--dpkgopt=path-include=/usr/share/doc/*/copyright" "--dpkgopt=path-include=/usr/share/doc/ninedot/*")
-    # The kernel is unpacked later without its installation scripts, which would make an initrd under emulation for minutes.
     # shellcheck disable=SC2016
-    new_root --variant=minbase --architectures=arm64 "${option[@]}" --include="${names//$'\n'/,}" \
-      --customize-hook='mkdir "$1/board" && chroot "$1" sh -ec "cd /board && apt-get download busybox-static raspi-firmware \
-        \$(apt-cache depends linux-image-arm64 | sed -n \"s/.*Depends: \(linux-image-[0-9].*\)/\1/p\" | head -n 1)"' \
+    script=$download_kernel new_root --variant=minbase --architectures=arm64 "${option[@]}" --include="${names//$'\n'/,}" \
+      --customize-hook='mkdir "$1/board" && chroot "$1" sh -ec "$script"' \
       "$ninedot_suite" "$base.part" - <<< "$sources" > "$log" 2>&1 || { tail -n 20 "$log" >&2; roots_fail "Debian's part failed; its whole output: $log"; }
     mv "$base.part" "$base"
   fi
@@ -67,6 +76,9 @@ unpack() {
 # fill_root ROOT: everything that is ours, and nothing that differs from one making to the next.
 fill_root() {
   local root=$1 option=() place version
+  # Before the kernel, which is no package here: that spares running depmod emulated. dpkg is told to do without that package.
+  version=$(basename "$root"/board/linux-image-*.deb | cut -d _ -f 1)
+  in_root "$root" "$(dirname "$modules")" dpkg -i --ignore-depends="$version" "$(basename "$modules")"
   for place in "${drivers_left_out[@]}"; do option+=("--exclude=*/kernel/${place#kernel/}"); done
   unpack "$root"/board/linux-image-*.deb "$root" "${option[@]}"
   version=$(basename "$root"/usr/lib/modules/*)
@@ -118,11 +130,12 @@ make_fat() {
   cp "$2"/firmware/usr/lib/raspi-firmware/{bootcode.bin,start*.elf,fixup*.dat} "$tree/"
   cp "$2/firmware/usr/share/doc/raspi-firmware/copyright" "$tree/LICENCE.raspi-firmware"
   cp "$root"/usr/lib/linux-image-*/broadcom/bcm2{711,712,837}-rpi-*.dtb "$tree/"
+  toolchains/overlays.sh "$tree/overlays"
   find "$tree" -exec touch -d "@$SOURCE_DATE_EPOCH" {} +
   truncate -s "${fat_mib}M" "$2/fat.img"
   mkfs.vfat -F 32 -n NINEDOT -i "$disk_signature" --invariant "$2/fat.img" > /dev/null
-  (cd "$tree" && find . -type f | LC_ALL=C sort | TZ=UTC xargs mcopy -m -i "$2/fat.img" :: 2> /dev/null) ||
-    (cd "$tree" && find . -type f | LC_ALL=C sort | TZ=UTC xargs -I {} mcopy -m -i "$2/fat.img" {} ::)
+  (cd "$tree" && find . -mindepth 1 -type d -printf '%P\n' | LC_ALL=C sort | TZ=UTC xargs -I {} mmd -i "$2/fat.img" ::{})
+  (cd "$tree" && find . -type f -printf '%P\n' | LC_ALL=C sort | TZ=UTC xargs -I {} mcopy -m -i "$2/fat.img" {} ::{})
 }
 
 # make_disk FOLDER: three partitions in one file.
@@ -146,6 +159,7 @@ start=$((4 + fat_mib + root_mib))MiB, size=${data_mib}MiB, type=83" | sfdisk -q 
 NINEDOT_JOBS=${NINEDOT_JOBS:-$(nproc)} toolchains/cross.sh arm64
 deb=$(ls build/package-arm64/package/ninedot_*_arm64.deb)
 base=$(debian_base "$deb")
+modules=$(toolchains/modules.sh "$base/board")
 work=$(mktemp -d "$ninedot_cache/board-work-XXXXXX")
 log=
 # shellcheck disable=SC2154

@@ -12,6 +12,7 @@ from qemu_board import Board, Failure
 MAGIC, STATUS_VALID = 0x9D09, 1
 BOOT_LIMIT_S = 300  # a busy machine emulates slowly
 CONFIG = "/etc/ninedot/ninedot.toml"
+DRIVERS = {"bcm2835-unicam", "imx219", "imx296", "ov5647", "ov9282", "pwm-pca9685", "sc16is7xx", "sc16is7xx_i2c", "sc16is7xx_spi", "v4l2-cci"}
 
 table = []
 
@@ -108,6 +109,34 @@ def check_system(board):
     level = re.search(r"ninedotd.service: ([0-9.]+)", exposure)
     require(level and float(level[1]) <= 2.0, f"systemd's exposure level: {exposure}")
     note("systemd-analyze security", f"exposure {level[1]}")
+
+
+def check_drivers(board):
+    """What Debian's kernel leaves out and the package brings: each driver is the kernel's and finds all that it calls."""
+    kernel = board.run("uname -r")
+    place = f"/usr/lib/modules/{kernel}/extra"
+    names = board.run(f"dpkg -L ninedot-modules-{kernel} | sed -n 's/.*extra[/]\\(.*\\)[.]ko$/\\1/p'").split()
+    missing = DRIVERS - set(names)
+    require(not missing, f"ninedot-modules-{kernel} lacks {missing}")
+    magic = board.run("modinfo -F vermagic squashfs")
+    for name in names:
+        status, said = board.try_run(f"modprobe {name}")
+        require(status == 0, f"modprobe {name}: {said}; {board.run('dmesg | tail -n 5')}")
+        require(board.run(f"modinfo -F filename {name}").startswith(place.removeprefix("/usr")) or
+                board.run(f"modinfo -F filename {name}").startswith(place), f"{name} is not the package's")
+        require(board.run(f"modinfo -F vermagic {name}") == magic, f"{name} is another kernel's: {board.run(f'modinfo -F vermagic {name}')}")
+        require(board.try_run(f"test -d /sys/module/{name.replace('-', '_')}")[0] == 0, f"{name} is not loaded")
+    complaints = board.run("dmesg | grep -i -E 'unknown symbol|disagrees about version|invalid module format' || true")
+    require(complaints == "", complaints)
+    note("drivers that Debian's kernel leaves out", f"loaded, of this very kernel {kernel}: {', '.join(names)}")
+
+
+def check_told_overlay(board):
+    """boot_test.sh asks for an overlay that there is not: the board says so and starts all the same."""
+    for where in ("journalctl -u ninedot-configure -o cat --no-pager", "dmesg"):
+        said = board.run(f"{where} | grep \"no overlay 'camera-ov9821'\" || true")
+        require("camera-ov9281" in said, f"{where} does not tell of the wrong overlay and of the right ones: {said}")
+    note("a wrong dtoverlay line in config.txt", "told in journal and kernel log with the names there are; the board starts")
 
 
 def check_restarts(board):
@@ -228,6 +257,8 @@ def main():
     try:
         check_first_boot(board, arguments.work)
         check_system(board)
+        check_drivers(board)
+        check_told_overlay(board)
         check_restarts(board)
         check_power_cuts(board, arguments.power_cuts, random.Random("power cuts"))
         check_new_configuration(board, arguments.work)

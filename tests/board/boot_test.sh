@@ -11,19 +11,25 @@ cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 cuts=${1:-3} folder=${NINEDOT_IMAGE:-build/image} work=build/image/boot_test
 fail() { echo "boot_test.sh: $*" >&2; exit 2; }
 [[ $cuts =~ ^[0-9]+$ ]] || fail "how many power cuts? tests/board/boot_test.sh [POWER-CUTS]"
-for tool in qemu-system-aarch64 mcopy python3 ssh-keygen; do command -v "$tool" > /dev/null || fail "needs $tool: ./dev packages boot"; done
+for tool in qemu-system-aarch64 mcopy fdtoverlay python3 ssh-keygen; do command -v "$tool" > /dev/null || fail "needs $tool: ./dev packages boot"; done
 for file in ninedot-arm64.img vmlinuz initrd.gz; do [[ -s $folder/$file ]] || fail "no $folder/$file: ./dev image"; done
 
 rm -rf "$work"
 mkdir -p "$work"
 cp --sparse=always "$folder/ninedot-arm64.img" "$work/board.img"
 cp "$folder/vmlinuz" "$folder/initrd.gz" "$work/"  # a new image may be made meanwhile
+# Overlays are for boards that QEMU has not: they are tried on the boards' device trees.
+mkdir "$work/trees"
+mcopy -i "$work/board.img@@4M" '::*.dtb' "$work/trees/"
+tests/board/overlays_test.py "$work/trees"
 # What a person would put on the FAT partition before the first boot: edited on a system with other line ends.
 mcopy -i "$work/board.img@@4M" ::ninedot.toml "$work/ninedot.toml"
 sed -i 's/^listen = .*/listen = "0.0.0.0"/; s/$/\r/' "$work/ninedot.toml"
 printf 'cabinet-7\r\n' > "$work/hostname"
 printf '[Match]\nType=ether\n\n[Network]\nDHCP=yes\nAddress=10.0.2.77/24\n' > "$work/network"
+mcopy -i "$work/board.img@@4M" ::config.txt "$work/config.txt"
+printf 'dtoverlay=camera-ov9821\r\n' >> "$work/config.txt"  # no such overlay
 ssh-keygen -q -t ed25519 -N '' -C boot_test -f "$work/key"
 cp "$work/key.pub" "$work/authorized_keys"
-mcopy -o -i "$work/board.img@@4M" "$work"/{ninedot.toml,hostname,network,authorized_keys} ::
+mcopy -o -i "$work/board.img@@4M" "$work"/{ninedot.toml,hostname,network,authorized_keys,config.txt} ::
 exec python3 tests/board/boot_test.py --work "$work" --kernel "$work/vmlinuz" --initrd "$work/initrd.gz" --power-cuts "$cuts"
