@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The board image's device-tree overlays, laid over the device trees that Debian's kernel has for Raspberry Pis, and what the board says of a
-line of config.txt that can't be done.
+"""The board image's device-tree overlays, laid over the device trees that Debian's kernel has for Raspberry Pis; what the board says of a
+line of config.txt that can't be done; and how it readies the camera's receiver.
 
     tests/board/overlays_test.py [FOLDER]     FOLDER: where the boards' *.dtb are; default: those of build/image/ninedot-arm64.img
 
@@ -14,7 +14,8 @@ import tempfile
 import unittest
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
-CHECK = os.path.join(ROOT, "systemd/image/root/usr/lib/ninedot/check-overlays")
+BOARD_PROGRAMS = os.path.join(ROOT, "systemd/image/root/usr/lib/ninedot")
+CHECK, PREPARE = os.path.join(BOARD_PROGRAMS, "check-overlays"), os.path.join(BOARD_PROGRAMS, "prepare-camera")
 RECEIVER = "/soc/csi@7e801000"
 SERIAL, SMALL_SERIAL, PWM = "/soc/serial@7e201000", "/soc/serial@7e215040", "/soc/pwm@7e20c000"
 
@@ -74,71 +75,74 @@ def overlaid(name, *overlays):
     return Tree(path) if done.returncode == 0 else None
 
 
-class Cameras(unittest.TestCase):
-    def each(self):
+def on_every_camera(check):
+    """Makes a test of a check of one tree with one camera's overlay: sensor, its node, GPIO controller and line of the power switch"""
+    def test(self):
         for sensor in SENSORS:
             for suffix, (names, bus, gpio, line) in BOARDS.items():
                 for name in names:
-                    overlay = f"camera-{sensor}{suffix}"
-                    with self.subTest(overlay=overlay, board=name):
-                        tree = overlaid(name, overlay)
+                    with self.subTest(overlay=f"camera-{sensor}{suffix}", board=name):
+                        tree = overlaid(name, f"camera-{sensor}{suffix}")
                         self.assertIsNotNone(tree, "does not apply")
-                        yield tree, sensor, f"{bus}/camera@{SENSORS[sensor][1]:x}", (gpio, line)
+                        check(self, tree, sensor, f"{bus}/camera@{SENSORS[sensor][1]:x}", (gpio, line))
+    return test
 
-    def test_sensor_and_receiver_are_linked_both_ways(self):
-        for tree, _, node, _ in self.each():
-            here, there = f"{node}/port/endpoint", f"{RECEIVER}/port/endpoint"
-            self.assertIsNotNone(tree.phandle(here))
-            self.assertEqual(tree.numbers(here, "remote-endpoint"), [tree.phandle(there)])
-            self.assertEqual(tree.numbers(there, "remote-endpoint"), [tree.phandle(here)])
 
-    def test_receiver_is_on_with_the_lanes_of_the_sensor(self):
-        for tree, sensor, node, _ in self.each():
-            lanes = SENSORS[sensor][3]
-            self.assertEqual(tree.text(RECEIVER, "status"), "okay")
-            self.assertEqual(tree.numbers(f"{RECEIVER}/port/endpoint", "bus-type"), [4])
-            for end in (f"{node}/port/endpoint", f"{RECEIVER}/port/endpoint"):
-                self.assertEqual(tree.numbers(end, "data-lanes"), lanes)
-            # One end that turns its clock off between lines and one that waits for it would see nothing.
-            self.assertEqual(tree.has(f"{node}/port/endpoint", "clock-noncontinuous"), tree.has(f"{RECEIVER}/port/endpoint", "clock-noncontinuous"))
-            self.assertLessEqual(len(lanes), tree.numbers(RECEIVER, "brcm,num-data-lanes")[0])
+class Cameras(unittest.TestCase):
+    @on_every_camera
+    def test_sensor_and_receiver_are_linked_both_ways(self, tree, sensor, node, power):
+        here, there = f"{node}/port/endpoint", f"{RECEIVER}/port/endpoint"
+        self.assertIsNotNone(tree.phandle(here))
+        self.assertEqual(tree.numbers(here, "remote-endpoint"), [tree.phandle(there)])
+        self.assertEqual(tree.numbers(there, "remote-endpoint"), [tree.phandle(here)])
 
-    def test_sensor_has_what_its_driver_asks_for(self):
-        for tree, sensor, node, _ in self.each():
-            compatible, address, clock_hz, _, link_hz, supplies = SENSORS[sensor]
-            self.assertEqual(tree.text(node, "compatible"), compatible)
-            self.assertEqual(tree.numbers(node, "reg"), [address])
-            self.assertEqual(tree.numbers(node, "clocks"), [tree.phandle("/ninedot-camera-clock")])
-            self.assertEqual(tree.numbers("/ninedot-camera-clock", "clock-frequency"), [clock_hz])
-            if link_hz:
-                self.assertEqual(tree.numbers(f"{node}/port/endpoint", "link-frequencies"), [link_hz >> 32, link_hz & 0xFFFFFFFF])
-            for supply in supplies:
-                self.assertEqual(tree.numbers(node, f"{supply}-supply"), [tree.phandle("/ninedot-camera-power")])
-            if not supplies:
-                self.assertTrue(tree.has("/ninedot-camera-power", "regulator-always-on"))
+    @on_every_camera
+    def test_receiver_is_on_with_the_lanes_of_the_sensor(self, tree, sensor, node, power):
+        lanes = SENSORS[sensor][3]
+        self.assertEqual(tree.text(RECEIVER, "status"), "okay")
+        self.assertEqual(tree.numbers(f"{RECEIVER}/port/endpoint", "bus-type"), [4])
+        for end in (f"{node}/port/endpoint", f"{RECEIVER}/port/endpoint"):
+            self.assertEqual(tree.numbers(end, "data-lanes"), lanes)
+        # One end that turns its clock off between lines and one that waits for it would see nothing.
+        self.assertEqual(tree.has(f"{node}/port/endpoint", "clock-noncontinuous"), tree.has(f"{RECEIVER}/port/endpoint", "clock-noncontinuous"))
+        self.assertLessEqual(len(lanes), tree.numbers(RECEIVER, "brcm,num-data-lanes")[0])
 
-    def test_bus_is_the_connectors_and_on(self):
-        for tree, _, node, _ in self.each():
-            bus = os.path.dirname(node)
-            self.assertIn(tree.text(bus, "status"), (None, "okay"))
-            self.assertEqual((tree.numbers(bus, "#address-cells"), tree.numbers(bus, "#size-cells")), ([1], [0]))
-            pins, switch = "/soc/gpio@7e200000/i2c0-gpio44", os.path.dirname(bus)
-            if switch == "/i2c-mux0":
-                self.assertEqual(tree.numbers(switch, "pinctrl-1"), [tree.phandle(pins)])
-            else:
-                self.assertEqual(tree.numbers(bus, "pinctrl-0"), [tree.phandle(pins)])
-            self.assertEqual(tree.numbers(pins, "brcm,pins"), [44, 45])
+    @on_every_camera
+    def test_sensor_has_what_its_driver_asks_for(self, tree, sensor, node, power):
+        compatible, address, clock_hz, _, link_hz, supplies = SENSORS[sensor]
+        self.assertEqual(tree.text(node, "compatible"), compatible)
+        self.assertEqual(tree.numbers(node, "reg"), [address])
+        self.assertEqual(tree.numbers(node, "clocks"), [tree.phandle("/ninedot-camera-clock")])
+        self.assertEqual(tree.numbers("/ninedot-camera-clock", "clock-frequency"), [clock_hz])
+        if link_hz:
+            self.assertEqual(tree.numbers(f"{node}/port/endpoint", "link-frequencies"), [link_hz >> 32, link_hz & 0xFFFFFFFF])
+        for supply in supplies:
+            self.assertEqual(tree.numbers(node, f"{supply}-supply"), [tree.phandle("/ninedot-camera-power")])
+        if not supplies:
+            self.assertTrue(tree.has("/ninedot-camera-power", "regulator-always-on"))
 
-    def test_power_is_switched_by_the_boards_line(self):
-        for tree, _, _, (gpio, line) in self.each():
-            switch = "/ninedot-camera-power"
-            parent = tree.numbers(switch, "vin-supply")
-            if parent:  # the board's tree has the switch itself
-                switch = "/regulator-cam1"
-                self.assertEqual(parent, [tree.phandle(switch)])
-            self.assertEqual(tree.text(switch, "compatible"), "regulator-fixed")
-            self.assertEqual(tree.numbers(switch, "gpio"), [tree.phandle(gpio), line, 0])
-            self.assertTrue(tree.has(switch, "enable-active-high"))
+    @on_every_camera
+    def test_bus_is_the_connectors_and_on(self, tree, sensor, node, power):
+        bus = os.path.dirname(node)
+        self.assertIn(tree.text(bus, "status"), (None, "okay"))
+        self.assertEqual((tree.numbers(bus, "#address-cells"), tree.numbers(bus, "#size-cells")), ([1], [0]))
+        pins, switch = "/soc/gpio@7e200000/i2c0-gpio44", os.path.dirname(bus)
+        if switch == "/i2c-mux0":
+            self.assertEqual(tree.numbers(switch, "pinctrl-1"), [tree.phandle(pins)])
+        else:
+            self.assertEqual(tree.numbers(bus, "pinctrl-0"), [tree.phandle(pins)])
+        self.assertEqual(tree.numbers(pins, "brcm,pins"), [44, 45])
+
+    @on_every_camera
+    def test_power_is_switched_by_the_boards_line(self, tree, sensor, node, power):
+        switch = "/ninedot-camera-power"
+        parent = tree.numbers(switch, "vin-supply")
+        if parent:  # the board's tree has the switch itself
+            switch = "/regulator-cam1"
+            self.assertEqual(parent, [tree.phandle(switch)])
+        self.assertEqual(tree.text(switch, "compatible"), "regulator-fixed")
+        self.assertEqual(tree.numbers(switch, "gpio"), [tree.phandle(power[0]), power[1], 0])
+        self.assertTrue(tree.has(switch, "enable-active-high"))
 
     def test_without_an_overlay_nothing_is_on(self):
         for name in EVERY_BOARD:
@@ -242,7 +246,64 @@ class ConfigTxt(unittest.TestCase):
 
     def test_leaves_sections_of_other_boards_alone(self):
         self.assertEqual(self.said("[pi3]\ndtoverlay=camera-ov9281-pi3\n[all]\n"), "")
-        self.assertIn("camera-ov9281-pi3", self.said("[pi3]\n[all]\ndtoverlay=camera-ov9281-pi3\n"))
+        self.assertIn("camera-ov9281-pi3", self.said("[pi3]\r\n[all]\r\ndtoverlay=camera-ov9281-pi3\r\n"))
+
+
+# Stands for media-ctl: one media device with the receiver's and the sensor's entities, which keeps the formats that it is given. A sensor has the
+# formats of the file "can" and refuses others without a word, as the kernel does: it goes on with what it has.
+MEDIA_CTL = """#!/bin/sh
+cd "$(dirname "$0")"
+case $3 in
+  -p) cat topology ;;
+  --get-v4l2) case $4 in '"unicam"'*) cat receiver ;; *) echo "		[fmt:$(cat sensor) field:none]" ;; esac ;;
+  -V) asked=$(echo "$4" | sed 's/.*fmt:\\([^]]*\\)].*/\\1/')
+      case $4 in
+        '"unicam":0 '*) echo "$asked" > receiver ;;
+        *) ! grep -q "^${asked%/*}$" can || echo "$asked" > sensor ;;
+      esac ;;
+esac
+"""
+TOPOLOGY = """Media controller API version 6.12.117
+driver          unicam
+- entity 1: unicam (3 pads, 3 links, 1 route)
+	pad0: Sink
+		<- "SENSOR":0 [ENABLED,IMMUTABLE]
+	pad1: Source
+		-> "unicam-image":0 [ENABLED,IMMUTABLE]
+- entity 13: unicam-image (1 pad, 1 link)
+	pad0: Sink
+		<- "unicam":1 [ENABLED,IMMUTABLE]
+"""
+
+
+class PreparedCamera(unittest.TestCase):
+    def prepare(self, sensor, now, can):
+        """Returns what it says and the format that the receiver has then"""
+        with tempfile.TemporaryDirectory(dir=work) as place:
+            files = {"media-ctl": MEDIA_CTL, "sleep": "#!/bin/sh\n", "topology": TOPOLOGY.replace("SENSOR", sensor), "sensor": now, "can": can}
+            for name, text in files.items():
+                with open(os.path.join(place, name), "w", encoding="ascii") as file:
+                    file.write(text)
+                os.chmod(os.path.join(place, name), 0o755)
+            done = subprocess.run(["sh", PREPARE], env={"PATH": f"{place}:/usr/bin:/bin"}, capture_output=True, text=True, check=False)
+            receiver = os.path.join(place, "receiver")
+            if not os.path.exists(receiver):
+                return done.returncode, done.stdout.strip(), None
+            with open(receiver, encoding="ascii") as file:
+                return done.returncode, done.stdout.strip(), file.read().strip()
+
+    def test_grey_sensor_gives_eight_bits_where_it_can(self):
+        self.assertEqual(self.prepare("ov9282 10-0060", "Y10_1X10/1280x800", "Y10_1X10\nY8_1X8\n"),
+                         (0, "ov9282 10-0060 gives Y8_1X8/1280x800", "Y8_1X8/1280x800"))
+        self.assertEqual(self.prepare("imx296 10-001a", "Y10_1X10/1456x1088", "Y10_1X10\n")[2], "Y10_1X10/1456x1088")
+
+    def test_colour_sensor_keeps_its_own(self):
+        self.assertEqual(self.prepare("imx219 10-0010", "SRGGB10_1X10/3280x2464", "SRGGB10_1X10\nSRGGB8_1X8\n")[2], "SRGGB10_1X10/3280x2464")
+
+    def test_says_where_there_is_no_sensor(self):
+        status, said, receiver = self.prepare("unicam", "", "")
+        self.assertEqual((status, receiver), (1, None))
+        self.assertIn("no sensor", said)
 
 
 def main():
