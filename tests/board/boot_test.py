@@ -114,7 +114,6 @@ def check_system(board):
 def check_drivers(board):
     """What Debian's kernel leaves out and the package brings: each driver is the kernel's and finds all that it calls."""
     kernel = board.run("uname -r")
-    place = f"/usr/lib/modules/{kernel}/extra"
     names = board.run(f"dpkg -L ninedot-modules-{kernel} | sed -n 's/.*extra[/]\\(.*\\)[.]ko$/\\1/p'").split()
     missing = DRIVERS - set(names)
     require(not missing, f"ninedot-modules-{kernel} lacks {missing}")
@@ -122,9 +121,9 @@ def check_drivers(board):
     for name in names:
         status, said = board.try_run(f"modprobe {name}")
         require(status == 0, f"modprobe {name}: {said}; {board.run('dmesg | tail -n 5')}")
-        require(board.run(f"modinfo -F filename {name}").startswith(place.removeprefix("/usr")) or
-                board.run(f"modinfo -F filename {name}").startswith(place), f"{name} is not the package's")
-        require(board.run(f"modinfo -F vermagic {name}") == magic, f"{name} is another kernel's: {board.run(f'modinfo -F vermagic {name}')}")
+        theirs, vermagic = board.run(f"modinfo -F filename {name}; modinfo -F vermagic {name}").splitlines()
+        require(f"/{kernel}/extra/" in theirs, f"{name} is not the package's: {theirs}")
+        require(vermagic.strip() == magic, f"{name} is another kernel's: {vermagic}")
         require(board.try_run(f"test -d /sys/module/{name.replace('-', '_')}")[0] == 0, f"{name} is not loaded")
     complaints = board.run("dmesg | grep -i -E 'unknown symbol|disagrees about version|invalid module format' || true")
     require(complaints == "", complaints)
