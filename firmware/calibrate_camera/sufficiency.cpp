@@ -101,15 +101,43 @@ ViewTally tally_of(std::span<const SheetView> views, std::span<const PlaneDisc> 
   return tally;
 }
 
-std::vector<std::string> wanted_views(const ViewTally& tally, const ViewGoals& goals) {
-  std::vector<std::string> wanted;
+std::string name_of(const Want& want) {
+  switch (want.kind) {
+    case Want::Kind::kPart:
+      return kPartNames[want.which];
+    case Want::Kind::kTilt:
+      return kTiltNames[want.which];
+    case Want::Kind::kNearer:
+      return "nearer";
+    case Want::Kind::kMore:
+      break;
+  }
+  return fmt::format("{} more", want.which);
+}
+
+std::vector<Want> wanted_views(const ViewTally& tally, const ViewGoals& goals) {
+  std::vector<Want> wanted;
   for (std::size_t part = 0; part < tally.parts.size(); ++part)
-    if (tally.parts[part] < goals.parts[part]) wanted.emplace_back(kPartNames[part]);
+    if (tally.parts[part] < goals.parts[part]) wanted.push_back({Want::Kind::kPart, part});
   for (std::size_t tilt = 0; tilt < tally.tilts.size(); ++tilt)
-    if (tally.tilts[tilt] < kGoodTilted) wanted.emplace_back(kTiltNames[tilt]);
-  if (tally.near < kGoodNear) wanted.emplace_back("nearer");
-  if (wanted.empty() && tally.views < goals.views) wanted.push_back(fmt::format("{} more", goals.views - tally.views));
+    if (tally.tilts[tilt] < kGoodTilted) wanted.push_back({Want::Kind::kTilt, tilt});
+  if (tally.near < kGoodNear) wanted.push_back({Want::Kind::kNearer, 0});
+  if (wanted.empty() && tally.views < goals.views) wanted.push_back({Want::Kind::kMore, goals.views - tally.views});
   return wanted;
+}
+
+bool is_wanted(const Want& want, const ViewTally& view) {
+  switch (want.kind) {
+    case Want::Kind::kPart:
+      return view.parts[want.which] > 0;
+    case Want::Kind::kTilt:
+      return view.tilts[want.which] > 0;
+    case Want::Kind::kNearer:
+      return view.near > 0;
+    case Want::Kind::kMore:
+      break;
+  }
+  return view.views > 0;
 }
 
 std::vector<std::string> what_lens_lacks(const LensCalibration& calibration) {

@@ -2,6 +2,7 @@
 /// Whether views are enough for a calibration, and what is missing where they are not.
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,10 +45,22 @@ struct ViewGoals {
   std::array<int, 9> parts{3, 3, 3, 3, 3, 3, 3, 3, 3};  ///< one might have a finger before the sheet
 };
 
-/// Which views would make a calibration good, by name, where what_views_lack says what it can't do without: somebody
-/// who moves the sheet is told these.
-/// \return  "lower left", "tilted to the right", "nearer"; none: there are enough
-std::vector<std::string> wanted_views(const ViewTally& tally, const ViewGoals& goals = {});
+/// A kind of view of which there should be more.
+struct Want {
+  enum class Kind : std::uint8_t { kPart, kTilt, kNearer, kMore };
+  Kind kind = Kind::kMore;
+  std::size_t which = 0;  ///< of kPartNames or kTiltNames; of kMore how many
+  friend bool operator==(const Want&, const Want&) = default;
+};
+/// "lower left", "tilted to the right", "nearer", "12 more".
+std::string name_of(const Want& want);
+
+/// Which views would make a calibration good, where what_views_lack says what it can't do without: somebody who moves
+/// the sheet is told these.
+/// \return  parts, tilts and nearness that lack some; kMore, alone, where none of these does; none: there are enough
+std::vector<Want> wanted_views(const ViewTally& tally, const ViewGoals& goals = {});
+/// Whether a view is of the wanted kind. \param view  tally of it alone
+bool is_wanted(const Want& want, const ViewTally& view);
 
 /// What the calibration itself says: a focal length or directions too uncertain, views that contradict each other.
 /// \return  a line each; none: it may be used

@@ -28,6 +28,7 @@ class ViewGatherer {
   Looked look(SheetFinder& finder, const ImageView& luma, SensorKind sensor);
 
   const std::vector<SheetView>& views() const noexcept { return views_.views(); }
+  const ViewCollection& collection() const noexcept { return views_; }
   /// Number of pictures in which the sheet was found.
   std::size_t found() const noexcept { return found_; }
   /// What the newest picture shows of the sheet; empty: nothing.

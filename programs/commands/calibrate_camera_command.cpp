@@ -1,6 +1,7 @@
 // `ninedot calibrate camera`: a lens from views of a landmark, or of a printed grid of dots: a camera's, while somebody
 // moves the sheet, or those of recordings.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -19,10 +20,12 @@
 #include "programs/assembly/input_files.h"
 #include "programs/assembly/open_source.h"
 #include "programs/commands/calibrate_commands.h"
+#include "programs/commands/calibration_news.h"
 #include "programs/commands/calibration_output.h"
 #include "programs/commands/calibration_target.h"
 #include "programs/commands/lens_from_views.h"
 #include "programs/commands/output_check.h"
+#include "programs/tap/tap_source.h"
 
 namespace ninedot {
 namespace {
@@ -31,6 +34,8 @@ struct CalibrateCameraArguments {
   std::vector<std::string> recordings;
   SheetArguments sheet;
   std::string out, picture, keep, lens;
+  std::string progress;  // "json", or nothing
+  bool tap = false;
   bool is_live() const { return recordings.empty(); }
 };
 
@@ -39,10 +44,33 @@ struct CalibrateCameraArguments {
 void check_arguments(const CalibrateCameraArguments& arguments) {
   if (arguments.is_live() && arguments.sheet.config.empty())
     refuse("give recordings of a sheet, or --config FILE, whose camera will be watched while you move the sheet");
+  if (arguments.tap && !arguments.is_live())
+    refuse("--tap watches a running service, and recordings are not watched: leave out the one or the other");
+  if (!arguments.progress.empty() && arguments.out == "-")
+    refuse("--progress and --out - would both write to standard output: name a file");
   if (!arguments.is_live() && !arguments.keep.empty())
     refuse("--keep is for a camera's views; those of recordings are there already: leave it out");
   if (!arguments.is_live() && !arguments.sheet.config.empty() && !arguments.sheet.grid.empty())
     refuse("recordings of a grid need no --config: leave it out, or leave out the recordings to watch its camera");
+}
+
+std::string describe_tap_failure(const FrameSource& frames) {
+  return static_cast<const TapSource&>(frames).last_failure();
+}
+
+/// The running service's camera, which goes on serving it.
+OpenedSource open_tap(const std::string& config_file, const Config& config) {
+  if (!config.tap.enabled)
+    throw StartupError(ExitStatus::kWorkFailed,
+                       config_file + ": no tap is configured: write `enabled = true` under [tap]");
+  auto source = std::make_unique<TapSource>(config.tap.path);
+  const auto width_px = static_cast<int>(source->header().width_px);
+  const auto height_px = static_cast<int>(source->header().height_px);
+  if (width_px != config.camera.width_px || height_px != config.camera.height_px)
+    throw StartupError(ExitStatus::kWorkFailed,
+                       fmt::format("the service runs with pictures of {} x {} px, and {} says {} x {}: restart it",
+                                   width_px, height_px, config_file, config.camera.width_px, config.camera.height_px));
+  return {std::move(source), describe_tap_failure, {}, {}, 0, nullptr, false};
 }
 
 /// A camera has one user, and here that is the service most often.
@@ -52,9 +80,9 @@ OpenedSource open_camera(const Config& config) {
     return open_source(config, FrameDemand::kEveryFrame, &calibration_to_be);
   } catch (const CameraRefused& refusal) {
     if (refusal.os_errno != EBUSY) throw;
-    throw StartupError(refusal.status, fmt::format("{}; if the service has it: `systemctl stop ninedotd`, or record "
-                                                   "through it with `ninedot tap --record`",
-                                                   refusal.what()));
+    throw StartupError(refusal.status,
+                       fmt::format("{}; if the service has it: --tap watches through it, or `systemctl stop ninedotd`",
+                                   refusal.what()));
   }
 }
 
@@ -92,20 +120,30 @@ class CalibrationFiles {
   std::optional<OutputFile> picture_file_;
 };
 
-LensCalibration watch_camera(LensFromViews& calibration, const Config& config, const std::string& keep) {
-  const OpenedSource source = open_camera(config);
+LensCalibration watch_camera(LensFromViews& calibration, const CalibrateCameraArguments& arguments,
+                             const Config& config) {
+  const std::string keep = folder_for_views(arguments);
+  const OpenedSource source = arguments.tap ? open_tap(arguments.sheet.config, config) : open_camera(config);
   if (keep.empty()) fmt::print(stderr, "no views are kept: --keep FOLDER would\n");
   LensCalibration result = calibration.of_camera(source, keep);
   if (!keep.empty()) fmt::print(stderr, "the views are kept in {}\n", keep);
   return result;
 }
 
-void run_calibrate_camera(const CalibrateCameraArguments& arguments) {
-  check_arguments(arguments);
-  check_named({"--out", arguments.out});
+std::vector<std::string> result_lines(const LensCalibration& result, bool is_forced) {
+  std::vector<std::string> lines = model_lines(result, is_forced);
+  if (result.left_out > 0)
+    lines.push_back(fmt::format("{} {} left out: no outline there, or other than the rest has it", result.left_out,
+                                result.left_out == 1 ? "view was" : "views were"));
+  lines.push_back(summary_of(result));
+  return lines;
+}
+
+void calibrate_camera(const CalibrateCameraArguments& arguments, CalibrationNews* news) {
+  const std::string picture = picture_beside(arguments.out, arguments.picture);
   std::vector<std::string> inputs = arguments.recordings;
   inputs.push_back(arguments.sheet.config);
-  check_outputs({{"--out", arguments.out}, {"--picture", picture_beside(arguments.out, arguments.picture)}}, inputs);
+  check_outputs({{"--out", arguments.out}, {"--picture", picture}}, inputs);
   const TerminationSignals signals;  // before the first thread
   const std::optional<Config> config =
       arguments.sheet.config.empty() ? std::nullopt : std::optional(read_config(arguments.sheet.config));
@@ -115,18 +153,29 @@ void run_calibrate_camera(const CalibrateCameraArguments& arguments) {
   else
     pictures = check_recordings(arguments.recordings);
   const LensCalibrationOptions lens = lens_options(pictures, arguments.sheet.model);
-  LensFromViews calibration(target_of(arguments.sheet, config), lens, signals);
+  LensFromViews calibration(target_of(arguments.sheet, config), lens, signals, news);
   CalibrationFiles files(arguments);
   const LensCalibration result =
-      arguments.is_live() ? watch_camera(calibration, *config, folder_for_views(arguments))
+      arguments.is_live() ? watch_camera(calibration, arguments, *config)
                           : calibration.of_recordings(pictures, LensFromViews::Interrupted::kUsesWhatThereIs);
   files.write(result, calibration.target().discs);
-  for (const std::string& line : model_lines(result, !arguments.sheet.model.empty())) fmt::print(stderr, "{}\n", line);
-  if (result.left_out > 0)
-    fmt::print(stderr, "{} {} left out: no outline there, or other than the rest has it\n", result.left_out,
-               result.left_out == 1 ? "view was" : "views were");
-  fmt::print(stderr, "{}\n", summary_of(result));
+  const std::vector<std::string> lines = result_lines(result, !arguments.sheet.model.empty());
+  for (const std::string& line : lines) fmt::print(stderr, "{}\n", line);
   if (const std::string wish = wish_for_views(result); !wish.empty()) fmt::print(stderr, "{}\n", wish);
+  if (news != nullptr) news->done(result, lines, arguments.out, picture);
+}
+
+void run_calibrate_camera(const CalibrateCameraArguments& arguments) {
+  check_arguments(arguments);
+  check_named({"--out", arguments.out});
+  if (arguments.progress.empty()) return calibrate_camera(arguments, nullptr);
+  CalibrationNews news(STDOUT_FILENO);
+  try {
+    calibrate_camera(arguments, &news);
+  } catch (const StartupError& error) {
+    news.failed(error.what());
+    throw;
+  }
 }
 
 }  // namespace
@@ -145,6 +194,12 @@ void add_calibrate_camera_command(CLI::App& group) {
   command->add_option("--keep", arguments->keep,
                       "a new folder: the camera's views as a recording, to calibrate from again; default: beside "
                       "--out, as camera-views");
+  command->add_flag("--tap", arguments->tap,
+                    "watch through the service that runs with --config, which goes on meanwhile; its [tap] must be on");
+  command
+      ->add_option("--progress", arguments->progress,
+                   "json: a line of JSON on standard output for each piece of news, for programs that show them")
+      ->check(CLI::IsMember({"json"}));
   command->add_option("--lens", arguments->lens, "what to call the lens in the file");
   command
       ->add_option("--out", arguments->out,

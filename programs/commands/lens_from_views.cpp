@@ -52,10 +52,11 @@ LensCalibrationOptions lens_options(const CalibrationPictures& pictures, const s
 }
 
 LensFromViews::LensFromViews(CalibrationTarget target, const LensCalibrationOptions& lens,
-                             const TerminationSignals& signals)
-    : target_(std::move(target)), options_(lens), signals_(signals) {
+                             const TerminationSignals& signals, CalibrationNews* news)
+    : target_(std::move(target)), options_(lens), signals_(signals), news_(news) {
   options_.go_on = [this](std::string_view what) {
-    progress_.show(what);
+    show(what);
+    if (news_ != nullptr && news_->is_broken()) stopped_ = true;
     if (signals_.wait(0ns) != 0) {
       // Of a camera's views this may be one lens of several: the first signal ends the gathering then too.
       stopped_ = gathering_stopped_ || !is_live_;
@@ -98,8 +99,12 @@ LensCalibration LensFromViews::good_lens() {
 
 LensCalibration LensFromViews::of_camera(const OpenedSource& source, const std::string& keep) {
   is_live_ = true;
-  LiveViewsOptions how{options_.width_px, options_.height_px, keep, [this] { return is_gathering_stopped(); },
-                       [this](std::span<const SheetView> views) { return rough_lens(views); }};
+  LiveViewsOptions how{options_.width_px,
+                       options_.height_px,
+                       keep,
+                       [this] { return is_gathering_stopped(); },
+                       [this](std::span<const SheetView> views) { return rough_lens(views); },
+                       news_};
   LiveViews live(source, target_, std::move(how));
   for (;;) {
     const LiveViews::End end = live.gather();
@@ -113,7 +118,7 @@ LensCalibration LensFromViews::of_camera(const OpenedSource& source, const std::
     const bool is_good = uncertain.empty() || live.views().views().size() >= kMostViews;
     if (lacks.empty() && (is_good || !may_go_on)) return result;
     if (!may_go_on) give_up_for(lacks);
-    live.want_more(std::move(lacks), uncertain);
+    live.want_more(result.fit.camera, std::move(lacks), uncertain);
   }
 }
 
@@ -147,14 +152,20 @@ std::optional<CameraModel> LensFromViews::rough_lens(std::span<const SheetView> 
   LensCalibrationOptions rough = options_;
   rough.rough = true;
   rough.go_on = [this](std::string_view what) {
-    progress_.show(what);
+    show(what);
     return !is_gathering_stopped();
   };
   const auto lens = calibrate_lens(target_.discs, {views.begin(), views.end()}, rough);
   return lens ? std::optional(lens->fit.camera) : std::nullopt;
 }
 
+void LensFromViews::show(std::string_view what) {
+  progress_.show(what);
+  if (news_ != nullptr) news_->working(what);
+}
+
 bool LensFromViews::is_gathering_stopped() {
+  if (news_ != nullptr && news_->is_broken()) gathering_stopped_ = stopped_ = true;
   gathering_stopped_ = gathering_stopped_ || signals_.wait(0ns) != 0;
   return gathering_stopped_;
 }

@@ -2,6 +2,7 @@
 /// The work of `ninedot calibrate camera`, and of `calibrate zoom` at each position: from pictures to a lens, or to
 /// what they lack.
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "calibrate_camera/lens_calibration.h"
@@ -27,7 +28,9 @@ std::optional<DistortionModel> model_of(const std::string& name);
 class LensFromViews {
  public:
   /// \param lens  size, and perhaps model and guess \param signals  made before the first thread; outlives this
-  LensFromViews(CalibrationTarget target, const LensCalibrationOptions& lens, const TerminationSignals& signals);
+  /// \param news  who is told besides, and ends it all by not listening any more; outlives this; null: nobody
+  LensFromViews(CalibrationTarget target, const LensCalibrationOptions& lens, const TerminationSignals& signals,
+                CalibrationNews* news = nullptr);
 
   /// What the first signal does while recordings are searched.
   enum class Interrupted {
@@ -55,12 +58,14 @@ class LensFromViews {
   LensCalibration calibrate(std::span<const SheetView> views);
   std::optional<CameraModel> rough_lens(std::span<const SheetView> views);
   bool is_gathering_stopped();
+  void show(std::string_view what);
   [[noreturn]] void give_up(const std::string& what);
   [[noreturn]] void give_up_for(const std::vector<std::string>& lacks);
 
   CalibrationTarget target_;
   LensCalibrationOptions options_;
   const TerminationSignals& signals_;
+  CalibrationNews* const news_;
   Progress progress_;
   std::vector<SheetView> views_;  ///< of recordings
   bool gathering_stopped_ = false, stopped_ = false;

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "base/startup_error.h"
+#include "calibrate_camera/sheet_map.h"
+#include "calibrate_camera/wanted_pose.h"
 #include "programs/commands/collect_views.h"
 #include "programs/commands/source_failure.h"
 
@@ -51,7 +53,8 @@ LiveViews::LiveViews(const OpenedSource& source, const CalibrationTarget& target
       options_(std::move(options)),
       finder_(target.finder(usual_camera(options_.width_px, options_.height_px))),
       gatherer_(options_.width_px, target.discs),
-      lines_(STDERR_FILENO) {
+      lines_(STDERR_FILENO),
+      lens_(usual_camera(options_.width_px, options_.height_px)) {
   if (!options_.keep.empty()) writer_.emplace(options_.keep, "");
 }
 
@@ -78,8 +81,11 @@ LiveViews::End LiveViews::gather() {
   return options_.is_stopped() ? End::kStopped : End::kSourceEnded;
 }
 
-void LiveViews::want_more(std::vector<std::string> lens_lacks, std::span<const UncertainPart> uncertain) {
+void LiveViews::want_more(const CameraModel& lens, std::vector<std::string> lens_lacks,
+                          std::span<const UncertainPart> uncertain) {
+  lens_ = lens;
   lens_lacks_ = std::move(lens_lacks);
+  shown_at_ = {};  // what is wanted now is news
   const ViewTally now = tally();
   goals_.views = now.views + kMoreViews;
   for (const UncertainPart& part : uncertain) {
@@ -112,9 +118,11 @@ void LiveViews::learn_lens() {
   const std::size_t views = gatherer_.views().size();
   if (target_.grid || (views != kLearnFrom && views != kLearnAgain) || views == lens_of_) return;
   lens_of_ = views;
-  if (const std::optional<CameraModel> lens = options_.rough_lens(gatherer_.views()))
+  if (const std::optional<CameraModel> lens = options_.rough_lens(gatherer_.views())) {
+    lens_ = *lens;
     finder_ = std::make_unique<EitherFinder>(target_.finder(*lens),
                                              target_.finder(usual_camera(options_.width_px, options_.height_px)));
+  }
 }
 
 std::string LiveViews::where_kept() const {
@@ -128,15 +136,39 @@ ViewTally LiveViews::tally() const {
 
 void LiveViews::tell(Looked looked) {
   const bool is_news = looked == Looked::kTaken || shown_at_ == MonoTime{};
-  const bool is_due = is_news || (lines_.is_terminal() && mono_now() - shown_at_ >= kTablePeriod);
+  const bool is_due = is_news || (lines_.is_terminal() && mono_now() - shown_at_ >= kTablePeriod) ||
+                      (options_.news != nullptr && options_.news->is_due());
   if (!is_due) return;
   shown_at_ = mono_now();
   GatheringState now{tally(), {}, lens_lacks_, {}, looked};
-  now.wanted = wanted_ = wanted_views(now.tally, goals_);
+  wanted_ = wanted_views(now.tally, goals_);
+  for (const Want& want : wanted_) now.wanted.push_back(name_of(want));
   if (!gatherer_.newest().empty())
     now.part = part_of(middle_px(gatherer_.newest()), options_.width_px, options_.height_px);
+  if (options_.news != nullptr) {
+    // One that jumped from picture to picture could not be followed.
+    if (is_news) ghost_ = ghost_for(wanted_);
+    tell_news(now);
+  }
   if (lines_.is_terminal() && lines_.draw(gathering_table(now, lines_.columns()))) return;
   if (is_news) lines_.print(gathering_line(now) + "\n");
+}
+
+void LiveViews::tell_news(const GatheringState& now) {
+  std::vector<std::vector<Eigen::Vector2d>> outlines;
+  Eigen::Matrix3d H;
+  if (fit_sheet_map(gatherer_.newest(), target_.discs, H))
+    outlines = outlines_of([&H](const Eigen::Vector2d& at_m) { return map_point(H, at_m); }, target_.discs);
+  options_.news->gathering(now, outlines.empty() ? std::span<const Eigen::Vector2d>() : outlines.front(), ghost_);
+}
+
+SheetGhost LiveViews::ghost_for(std::span<const Want> wanted) const {
+  const std::optional<WantedPose> pose = pose_for(wanted, lens_, target_.discs, gatherer_.collection());
+  if (!pose) return {};
+  SheetGhost ghost;
+  for (const std::size_t met : pose->meets) ghost.meets.push_back(name_of(wanted[met]));
+  ghost.outlines = outlines_of(map_of_camera(lens_, pose->T_camera_sheet), target_.discs);
+  return ghost;
 }
 
 }  // namespace ninedot

@@ -11,6 +11,7 @@
 #include "calibrate_camera/view_gatherer.h"
 #include "drivers/recording/recording_writer.h"
 #include "programs/assembly/open_source.h"
+#include "programs/commands/calibration_news.h"
 #include "programs/commands/calibration_target.h"
 #include "programs/commands/gathering_view.h"
 #include "programs/display/redrawn_lines.h"
@@ -25,6 +26,7 @@ struct LiveViewsOptions {
   /// A lens from the views so far, to search with; nothing: none fits. A lens that bends much hides the sheet from a
   /// search that knows nothing of it, in the corners first.
   std::function<std::optional<CameraModel>(std::span<const SheetView>)> rough_lens;
+  CalibrationNews* news = nullptr;  ///< who is told besides, and shown how to hold the sheet; null: nobody
 };
 
 /// On a terminal standard error shows what is wanted, in place; in a pipe it gets a line for each view.
@@ -45,8 +47,9 @@ class LiveViews {
   End gather();
 
   /// There are enough views but for what the lens that was made of them says: the next `gather` takes as many more as
-  /// may mend it. \param lens_lacks  as what_lens_lacks has it
-  void want_more(std::vector<std::string> lens_lacks, std::span<const UncertainPart> uncertain);
+  /// may mend it. \param lens  that was made \param lens_lacks  as what_lens_lacks has it
+  void want_more(const CameraModel& lens, std::vector<std::string> lens_lacks,
+                 std::span<const UncertainPart> uncertain);
 
   const ViewGatherer& views() const noexcept { return gatherer_; }
   std::size_t pictures() const noexcept { return pictures_; }  ///< how many were looked at
@@ -58,6 +61,8 @@ class LiveViews {
   void keep(FrameLease& lease);
   void learn_lens();
   void tell(Looked looked);
+  void tell_news(const GatheringState& now);
+  SheetGhost ghost_for(std::span<const Want> wanted) const;
   ViewTally tally() const;
 
   const OpenedSource& source_;
@@ -69,7 +74,10 @@ class LiveViews {
   RedrawnLines lines_;
   MonoTime shown_at_{};
   ViewGoals goals_;
-  std::vector<std::string> wanted_, lens_lacks_;
+  std::vector<Want> wanted_;
+  std::vector<std::string> lens_lacks_;
+  CameraModel lens_;  // as far as it is known
+  SheetGhost ghost_;
   std::size_t pictures_ = 0, lens_of_ = 0;
 };
 

@@ -16,13 +16,13 @@
 #include <utility>
 #include <vector>
 
+#include "base/json_text.h"
 #include "base/startup_error.h"
 #include "config/config_reference.h"
 #include "drivers/posix/file_descriptor.h"
 #include "drivers/posix/text_file.h"
 #include "programs/assembly/config_findings.h"
 #include "programs/web/access.h"
-#include "programs/web/live_json.h"
 
 namespace ninedot {
 namespace {

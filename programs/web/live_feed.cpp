@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json_text.h"
 #include "base/startup_error.h"
 #include "programs/web/live_json.h"
 

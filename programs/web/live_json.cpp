@@ -7,6 +7,7 @@
 #include <iterator>
 #include <span>
 
+#include "base/json_text.h"
 #include "base/reason.h"
 
 namespace ninedot {
@@ -110,19 +111,6 @@ std::string head_json(const TapFrame& frame) {
 }
 
 }  // namespace
-
-std::string json_text(std::string_view text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      quoted += {'\\', c};
-    else if (static_cast<unsigned char>(c) < 0x20)
-      quoted += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-    else
-      quoted += c;
-  }
-  return quoted + '"';
-}
 
 std::string camera_json(const TapHeader& header) {
   return Json()

@@ -9,9 +9,6 @@
 
 namespace ninedot {
 
-/// A text as JSON has it, with its quotes; what is no UTF-8 is passed on as it is, control characters are escaped.
-std::string json_text(std::string_view text);
-
 /// What is constant while the service runs: software, camera, landmark.
 std::string camera_json(const TapHeader& header);
 /// One frame. \param now  the pose's age counts up to it

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "programs/web/live_json.h"
+#include "base/json_text.h"
 
 namespace ninedot {
 namespace {

@@ -130,6 +130,12 @@ TEST(Sufficiency, CountsTiltsByTheSideThatIsFurthestAway) {
   }
 }
 
+std::vector<std::string> names_of(const std::vector<Want>& wanted) {
+  std::vector<std::string> names;
+  for (const Want& want : wanted) names.push_back(name_of(want));
+  return names;
+}
+
 TEST(Sufficiency, WantsWhatIsMissingByName) {
   ViewTally tally;
   tally.views = 30, tally.near = 6;
@@ -137,11 +143,11 @@ TEST(Sufficiency, WantsWhatIsMissingByName) {
   EXPECT_TRUE(wanted_views(tally).empty());
   ViewGoals goals;
   goals.views = 42;
-  EXPECT_EQ(wanted_views(tally, goals), std::vector<std::string>{"12 more"});
+  EXPECT_EQ(names_of(wanted_views(tally, goals)), std::vector<std::string>{"12 more"});
   goals.parts[2] = 5;
-  EXPECT_EQ(wanted_views(tally, goals), std::vector<std::string>{"upper right"});
+  EXPECT_EQ(names_of(wanted_views(tally, goals)), std::vector<std::string>{"upper right"});
   tally.parts[6] = 2, tally.tilts[0] = 3, tally.near = 5, tally.views = 20;
-  EXPECT_EQ(wanted_views(tally), (std::vector<std::string>{"lower left", "tilted to the right", "nearer"}));
+  EXPECT_EQ(names_of(wanted_views(tally)), (std::vector<std::string>{"lower left", "tilted to the right", "nearer"}));
 }
 
 TEST(Sufficiency, NamesThePartsThatAreLessCertainThanTheRest) {

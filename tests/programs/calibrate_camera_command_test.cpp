@@ -233,6 +233,34 @@ TEST_F(CalibrateCameraLive, EndsByItselfWhenThereIsEnough) {
   EXPECT_LE(kept, static_cast<std::ptrdiff_t>(pictures.size()));
 }
 
+TEST_F(CalibrateCameraLive, TellsAnotherProgramLineByLine) {
+  testing::internal::CaptureStdout();
+  const std::vector<test::Picture> few(pictures().begin(), pictures().begin() + 3);
+  const test::TypedOutcome outcome = type({"--config", config_of_camera(few), "--progress", "json"});
+  const std::string said = testing::internal::GetCapturedStdout();
+  EXPECT_EQ(outcome.status, ExitStatus::kWorkFailed);
+  const std::string first = said.substr(0, said.find('\n'));
+  EXPECT_TRUE(first.starts_with(R"({"state":"gathering","views":0,"wanted":["upper left",)")) << first;
+  EXPECT_NE(first.find(R"("looked":"none","part":null,"sheet":[],"ghost":{"meets":["upper left")"), std::string::npos)
+      << first;
+  EXPECT_NE(said.find(R"("views":2,)"), std::string::npos) << said;
+  EXPECT_NE(said.find(R"("looked":"taken","part":)"), std::string::npos) << said;
+  EXPECT_NE(said.find(R"({"state":"failed","why":"two views are too few)"), std::string::npos) << said;
+  EXPECT_TRUE(said.ends_with("}\n"));
+  test::expect_refusal(test::type_command(add_calibrate_command,
+                                          {"calibrate", "camera", path("camera"), "--progress", "json", "--out", "-"}),
+                       ExitStatus::kWrongUsage, "would both write to standard output");
+}
+
+TEST_F(CalibrateCameraLive, WatchesNoServiceThatDoesNotRun) {
+  const std::string camera = "[camera]\nsource = \"v4l2\"\ndevice = \"/dev/no-camera\"\n";
+  fails(ExitStatus::kWorkFailed, {"--tap", "--config", config(camera)}, "write `enabled = true` under [tap]");
+  fails(ExitStatus::kWorkFailed,
+        {"--tap", "--config", config(camera + "[tap]\nenabled = true\npath = \"" + path("tap") + "\"\n")}, path("tap"));
+  record("walk", {pictures().front()});
+  fails(ExitStatus::kWrongUsage, {path("walk"), "--tap"}, "--tap watches a running service");
+}
+
 TEST_F(CalibrateCameraLive, SaysWhatIsMissingWhenTheSourceEndsAndKeepsWhatItHas) {
   const std::vector<test::Picture> few(pictures().begin(), pictures().begin() + 4);
   const test::TypedOutcome outcome = type({"--config", config_of_camera(few)});

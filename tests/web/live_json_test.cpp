@@ -6,6 +6,8 @@
 #include <limits>
 #include <string>
 
+#include "base/json_text.h"
+
 namespace ninedot {
 namespace {
 
