@@ -4,8 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <system_error>
 
 #include "base/startup_error.h"
 #include "config/config.h"
@@ -15,6 +17,7 @@
 #include "programs/assembly/input_files.h"
 #include "programs/program.h"
 #include "programs/web/access.h"
+#include "programs/web/calibration_desk.h"
 #include "programs/web/configuration_desk.h"
 #include "programs/web/jogger.h"
 #include "programs/web/live_json.h"
@@ -64,8 +67,8 @@ void tell_address(const WebConfig& web, bool tls) {
 }
 
 /// Until a signal comes, or the service runs with a new configuration. \return  whether that is why
-bool serve(const Config& config, const std::string& config_path, const TerminationSignals& signals,
-           ConfigurationDesk& desk, ServiceManager& manager) {
+bool serve(const Config& config, const std::string& config_path, const std::string& ninedot,
+           const TerminationSignals& signals, ConfigurationDesk& desk, ServiceManager& manager) {
   const WebConfig& web = config.web;
   NewestMap map(config_path);
   AccessRules rules;
@@ -74,7 +77,9 @@ bool serve(const Config& config, const std::string& config_path, const Terminati
   if (!web.token_file.empty()) rules.token = read_token(web.token_file);
   Jogger jogger(jogger_options(config, !rules.token.empty()));
   Recorder recorder(recorder_options(config, !rules.token.empty()));
-  const WebServerOptions options{web, config.tap.path, rules, [&] { return map.json(); }, jogger, recorder, desk};
+  CalibrationDesk calibrations(calibration_desk_options(config, config_path, ninedot, !rules.token.empty()));
+  const WebServerOptions options{web,    config.tap.path, rules, [&] { return map.json(); },
+                                 jogger, recorder,        desk,  calibrations};
   WebServer server(options);
   tell_address(web, options.rules.tls);
   manager.ready();
@@ -86,7 +91,13 @@ bool serve(const Config& config, const std::string& config_path, const Terminati
   return is_new;
 }
 
-void run_web(const std::string& config_path, const std::string& apply_socket) {
+/// The tool that was built, or installed, with this program.
+std::string ninedot_beside_this() {
+  std::error_code error;
+  return (std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "ninedot").string();
+}
+
+void run_web(const std::string& config_path, const std::string& apply_socket, const std::string& ninedot) {
   Config config = servable_config(config_path);
   const TerminationSignals signals;  // before the first thread
   ServiceManager manager;
@@ -95,12 +106,12 @@ void run_web(const std::string& config_path, const std::string& apply_socket) {
   for (;;) {
     try {
       if (last) config = servable_config(config_path);
-      if (!serve(config, config_path, signals, desk, manager)) break;
+      if (!serve(config, config_path, ninedot, signals, desk, manager)) break;
       last = config;
     } catch (const StartupError& error) {
       if (!last) throw;
       fmt::print(stderr, "ninedot-web: {}: the page goes on as it was\n", error.what());
-      if (!serve(*last, config_path, signals, desk, manager)) break;
+      if (!serve(*last, config_path, ninedot, signals, desk, manager)) break;
     }
   }
   manager.stopping();
@@ -116,5 +127,7 @@ int main(int argc, char** argv) {
   app.add_option("--config", config_path, "the service's configuration: its [tap] and [web] are read")->required();
   std::string apply_socket = "/run/ninedot-apply.socket";
   app.add_option("--apply-socket", apply_socket, "where `ninedot apply --page` is reached")->capture_default_str();
-  return ninedot::run_program(app, argc, argv, [&] { ninedot::run_web(config_path, apply_socket); });
+  std::string tool = ninedot::ninedot_beside_this();
+  app.add_option("--ninedot", tool, "the program that calibrates; default: the one beside this");
+  return ninedot::run_program(app, argc, argv, [&] { ninedot::run_web(config_path, apply_socket, tool); });
 }

@@ -1,11 +1,15 @@
 #include "programs/web/http_answer.h"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 
 #include <array>
 #include <string>
+
+#include "drivers/posix/file_descriptor.h"
 
 namespace ninedot {
 namespace {
@@ -91,6 +95,17 @@ MHD_Result send_text(MHD_Connection* connection, unsigned status, std::string_vi
   if (status == MHD_HTTP_UNAUTHORIZED) answer.header("WWW-Authenticate", "Bearer");
   if (retry_later) answer.header("Retry-After", "60");
   return answer.send(status);
+}
+
+MHD_Result send_disk_file(MHD_Connection* connection, const std::string& path, const char* type, const char* missing) {
+  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  struct stat status {};
+  if (!file || ::fstat(file.get(), &status) != 0) return send_text(connection, MHD_HTTP_NOT_FOUND, missing, kPlainText);
+  Answer answer(connection, MHD_create_response_from_fd64(static_cast<std::uint64_t>(status.st_size), file.get()));
+  // From then on the library closes it; where it made no answer it is ours still.
+  if (answer) file.let_go();
+  answer.header("Content-Type", type).header("Cache-Control", "no-store");
+  return answer.send(MHD_HTTP_OK);
 }
 
 }  // namespace ninedot

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "programs/web/access.h"
@@ -42,5 +43,8 @@ std::span<const std::uint8_t> bytes_of(std::string_view text) noexcept;
 
 MHD_Result send_text(MHD_Connection* connection, unsigned status, std::string_view text, const char* type,
                      bool retry_later = false);
+
+/// A file as it lies on the disk, never one that a link leads to. \param missing  what is said where there is none
+MHD_Result send_disk_file(MHD_Connection* connection, const std::string& path, const char* type, const char* missing);
 
 }  // namespace ninedot

@@ -24,15 +24,23 @@ bool is_numbered(std::string_view file, std::string_view folder, std::string_vie
 
 }  // namespace
 
+std::string time_name(std::chrono::system_clock::time_point begun) {
+  return fmt::format("{:%Y%m%d-%H%M%S}", fmt::gmtime(std::chrono::system_clock::to_time_t(begun)));
+}
+
+bool is_time_name(std::string_view name) noexcept {
+  if (name.size() != kTime.size()) return false;
+  for (std::size_t i = 0; i < kTime.size(); ++i)
+    if (kTime[i] == 'd' ? !is_digit(name[i]) : name[i] != kTime[i]) return false;
+  return true;
+}
+
 std::string recording_name(std::chrono::system_clock::time_point begun, RecordingCause cause) {
-  return fmt::format("{:%Y%m%d-%H%M%S}{}", fmt::gmtime(std::chrono::system_clock::to_time_t(begun)),
-                     cause == RecordingCause::kAsked ? kAsked : kLoss);
+  return time_name(begun).append(cause == RecordingCause::kAsked ? kAsked : kLoss);
 }
 
 bool is_recording_name(std::string_view name) noexcept {
-  if (name.size() < kTime.size()) return false;
-  for (std::size_t i = 0; i < kTime.size(); ++i)
-    if (kTime[i] == 'd' ? !is_digit(name[i]) : name[i] != kTime[i]) return false;
+  if (!is_time_name(name.substr(0, kTime.size()))) return false;
   name.remove_prefix(kTime.size());
   return name == kAsked || name == kLoss;
 }

@@ -11,6 +11,11 @@
 
 namespace ninedot {
 
+/// "20261123-121415": of what somebody began, UTC. \param begun  as of recording_name
+std::string time_name(std::chrono::system_clock::time_point begun);
+/// To the last character.
+bool is_time_name(std::string_view name) noexcept;
+
 enum class RecordingCause : std::uint8_t { kAsked, kLoss };
 
 /// \param begun  by the wall clock, for people: nothing is computed from it

@@ -1,12 +1,9 @@
 #include "programs/web/recordings_api.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <utility>
 
-#include "drivers/posix/file_descriptor.h"
 #include "programs/web/tar_stream.h"
 
 namespace ninedot {
@@ -36,18 +33,6 @@ const char* type_of(std::string_view file) {
   return file.ends_with(".png") ? "image/png" : file.ends_with(".json") ? kJsonText : "text/csv; charset=utf-8";
 }
 
-MHD_Result send_recorded(MHD_Connection* connection, const std::string& path) {
-  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  struct stat status {};
-  if (!file || ::fstat(file.get(), &status) != 0)
-    return send_text(connection, MHD_HTTP_NOT_FOUND, "This recording has no such file.\n", kPlainText);
-  Answer answer(connection, MHD_create_response_from_fd64(static_cast<std::uint64_t>(status.st_size), file.get()));
-  // From then on the library closes it; where it made no answer it is ours still.
-  if (answer) file.let_go();
-  answer.header("Content-Type", type_of(path)).header("Cache-Control", "no-store");
-  return answer.send(MHD_HTTP_OK);
-}
-
 }  // namespace
 
 MHD_Result RecordingsApi::answer(MHD_Connection* connection, std::string_view path, std::function<void()> on_progress) {
@@ -58,7 +43,8 @@ MHD_Result RecordingsApi::answer(MHD_Connection* connection, std::string_view pa
     return send_text(connection, MHD_HTTP_NOT_FOUND, "There is no such recording, or it is not over yet.\n",
                      kPlainText);
   if (asked->file.empty()) return send_archive(connection, asked->name, folder, std::move(on_progress));
-  return send_recorded(connection, fmt::format("{}/{}", folder, asked->file));
+  return send_disk_file(connection, fmt::format("{}/{}", folder, asked->file), type_of(asked->file),
+                        "This recording has no such file.\n");
 }
 
 MHD_Result RecordingsApi::send_archive(MHD_Connection* connection, std::string_view name, const std::string& folder,

@@ -24,6 +24,7 @@
 #include "base/startup_error.h"
 #include "config/config_checks.h"
 #include "drivers/posix/text_file.h"
+#include "programs/web/calibration_answers.h"
 #include "programs/web/configuration_answers.h"
 #include "programs/web/http_answer.h"
 #include "programs/web/large_body.h"
@@ -267,6 +268,8 @@ class WebServer::Daemon {
     if (head.path.starts_with(kConfigurationPath))
       return answer_configuration(connection, head, large_body_.is_of(connection) ? large_body_.text() : "",
                                   options_.desk, !options_.rules.token.empty());
+    if (is_of_calibration(head.path))
+      return answer_calibration(connection, head, {body.begin(), body.size()}, options_.calibrations);
     if (RecordingsApi::is_for(head.path)) return answer_recordings(connection, head, {body.begin(), body.size()});
     if (head.method == "POST") {
       const AimReply reply = options_.jogger.reply_to({body.begin(), body.size()}, head.peer);

@@ -7,6 +7,7 @@
 
 #include "config/config.h"
 #include "programs/web/access.h"
+#include "programs/web/calibration_desk.h"
 #include "programs/web/configuration_desk.h"
 #include "programs/web/jogger.h"
 #include "programs/web/recorder.h"
@@ -21,6 +22,7 @@ struct WebServerOptions {
   Jogger& jogger;                         ///< must outlive the server
   Recorder& recorder;                     ///< likewise
   ConfigurationDesk& desk;                ///< likewise
+  CalibrationDesk& calibrations;          ///< likewise
 };
 
 /// Serves from construction to destruction.

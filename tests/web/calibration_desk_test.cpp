@@ -1,0 +1,214 @@
+// The wizard as the page's process has it: a child that says lines, and everything that can come of one.
+#include "programs/web/calibration_desk.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+
+namespace ninedot {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+class CalibrationDeskTest : public testing::Test {
+ protected:
+  CalibrationDeskTest() {
+    std::string pattern = (fs::temp_directory_path() / "ninedot-test-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr) std::abort();
+    folder_ = pattern;
+  }
+  ~CalibrationDeskTest() override { fs::remove_all(folder_); }
+
+  /// In the place of `ninedot`: a shell script, whose own number is in the file `pid`. \param work  what it does
+  CalibrationDeskOptions options(const std::string& work) {
+    const fs::path program = folder_ / "ninedot";
+    std::ofstream(program) << "#!/bin/bash\necho $$ > " << folder_.string() << "/pid.new; mv " << folder_.string()
+                           << "/pid.new " << folder_.string() << "/pid\necho \"$*\" > " << folder_.string()
+                           << "/words\n"
+                           << work << "\n";
+    fs::permissions(program, fs::perms::owner_all);
+    return {"", program.string(), "/etc/ninedot/ninedot.toml", "camera.yaml", (folder_ / "made").string()};
+  }
+
+  static std::string until(CalibrationDesk& desk, const std::string& words) {
+    const auto give_up_at = std::chrono::steady_clock::now() + 20s;
+    for (;;) {
+      std::string json = desk.state_json();
+      if (json.find(words) != std::string::npos || std::chrono::steady_clock::now() > give_up_at) return json;
+      std::this_thread::sleep_for(5ms);
+    }
+  }
+  static void expect_part(const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  }
+  std::string text_of(const char* file) const {
+    std::ifstream stream(folder_ / file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  /// The child is gone, and nobody waits for it any more.
+  bool is_gone() const {
+    const int pid = std::stoi(text_of("pid"));
+    for (int i = 0; i < 400 && ::kill(pid, 0) == 0; ++i) std::this_thread::sleep_for(10ms);
+    return ::kill(pid, 0) != 0;
+  }
+  std::size_t made() const {
+    std::size_t count = 0;
+    std::error_code none;
+    for (fs::directory_iterator at(folder_ / "made", none), end; at != end; ++at) ++count;
+    return count;
+  }
+
+  fs::path folder_;
+};
+
+constexpr const char* kGathers = R"(echo '{"state":"gathering","views":3}')";
+constexpr const char* kFinishes = R"(echo '{"state":"done","file":"x"}')";
+
+TEST_F(CalibrationDeskTest, SaysWhatTheChildSaysAndThatItIsDone) {
+  CalibrationDesk desk(options(std::string(kGathers) + "\nsleep 0.3\n" + kFinishes));
+  expect_part(desk.state_json(), R"("phase":"idle","number":0,"name":"","why":"","news":null)");
+  const CalibrationReply reply = desk.reply_to("start camera");
+  EXPECT_EQ(reply.status, 200U) << reply.text;
+  expect_part(reply.text, R"("phase":"running","number":1)");
+  expect_part(until(desk, "gathering"), R"("phase":"running","number":1)");
+  expect_part(until(desk, "\"done\","), R"("news":{"state":"done","file":"x"})");
+  expect_part(text_of("words"),
+              "calibrate camera --tap --config /etc/ninedot/ninedot.toml --out " + (folder_ / "made/").string());
+  expect_part(text_of("words"), "/camera.yaml --progress json\n");
+  EXPECT_EQ(made(), 1U);
+}
+
+TEST_F(CalibrationDeskTest, HasOneChildAtATime) {
+  CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"));
+  EXPECT_EQ(desk.reply_to("start camera").status, 200U);
+  EXPECT_EQ(desk.reply_to("start camera").status, 409U);
+  until(desk, "gathering");
+  EXPECT_EQ(desk.reply_to("start camera").status, 409U);
+  EXPECT_EQ(made(), 1U);
+}
+
+TEST_F(CalibrationDeskTest, CancelsAndKeepsNothing) {
+  CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"));
+  EXPECT_EQ(desk.reply_to("cancel").status, 409U) << "nothing is under way";
+  EXPECT_EQ(desk.reply_to("finish").status, 409U);
+  desk.reply_to("start camera");
+  until(desk, "gathering");
+  EXPECT_EQ(desk.reply_to("cancel").status, 200U);
+  expect_part(until(desk, R"("news":null)"), R"("phase":"cancelled")");
+  EXPECT_TRUE(is_gone());
+  EXPECT_EQ(made(), 0U);
+}
+
+TEST_F(CalibrationDeskTest, FinishesEarlyAsCtrlCDoes) {
+  CalibrationDesk desk(options(std::string("trap '") + R"(echo "{\"state\":\"done\"}"; exit 0)" + "' INT\n" + kGathers +
+                               "\nwhile :; do sleep 0.05; done"));
+  desk.reply_to("start camera");
+  until(desk, "gathering");
+  EXPECT_EQ(desk.reply_to("finish").status, 200U);
+  expect_part(until(desk, R"("phase":"done")"), R"("phase":"done")");
+}
+
+TEST_F(CalibrationDeskTest, EndsTheChildThatNoPageAsksFor) {
+  CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"), 300ms);
+  desk.reply_to("start camera");
+  until(desk, "gathering");
+  std::this_thread::sleep_for(1s);
+  EXPECT_TRUE(is_gone());
+  expect_part(desk.state_json(), R"("phase":"failed")");
+  expect_part(desk.state_json(), "No page has asked for a minute");
+  EXPECT_EQ(made(), 1U) << "what it has seen is kept";
+}
+
+TEST_F(CalibrationDeskTest, TakesTheChildAlongWhenItEnds) {
+  const auto begun = std::chrono::steady_clock::now();
+  {
+    CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"));
+    desk.reply_to("start camera");
+    until(desk, "gathering");
+  }
+  EXPECT_TRUE(is_gone());
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, 40s) << "it slept for as long as it liked";
+}
+
+TEST_F(CalibrationDeskTest, SaysWhyNothingCameOfIt) {
+  CalibrationDesk refused(options(R"(echo '{"state":"failed","why":"no tap"}'; exit 1)"));
+  refused.reply_to("start camera");
+  expect_part(until(refused, R"("phase":"failed")"), R"("why":"","news":{"state":"failed","why":"no tap"})");
+  CalibrationDesk silent(options("exit 3"));
+  std::this_thread::sleep_for(1100ms);  // names are seconds
+  silent.reply_to("start camera");
+  expect_part(until(silent, R"("phase":"failed")"), "ended with status 3");
+  CalibrationDesk killed(options("kill -9 $$"));
+  std::this_thread::sleep_for(1100ms);
+  killed.reply_to("start camera");
+  expect_part(until(killed, R"("phase":"failed")"), "by signal 9");
+  CalibrationDeskOptions absent = options("");
+  absent.program = (folder_ / "none").string();
+  std::this_thread::sleep_for(1100ms);
+  const CalibrationReply reply = CalibrationDesk(absent).reply_to("start camera");
+  EXPECT_EQ(reply.status, 500U);
+  expect_part(reply.text, "can't be started");
+}
+
+TEST_F(CalibrationDeskTest, IsNotImpressedByWhatIsNoLineOfNews) {
+  CalibrationDesk desk(options(std::string(kGathers) +
+                               "\necho nonsense\necho '{\"state\":\"cut'\nhead -c 300000 /dev/zero | tr '\\0' x\necho "
+                               "'}'\nprintf '{\"state\":\"done\"'\n"));
+  desk.reply_to("start camera");
+  expect_part(until(desk, R"("phase":"failed")"), R"("news":{"state":"gathering","views":3})");
+}
+
+TEST_F(CalibrationDeskTest, KeepsTheNewestThree) {
+  const CalibrationDeskOptions how = options(kFinishes);
+  for (const char* name : {"20200101-000000", "20200101-000001", "20200101-000002", "20200101-000003"})
+    fs::create_directories(folder_ / "made" / name / "camera-views");
+  fs::create_directories(folder_ / "made/somebody-elses");
+  CalibrationDesk desk(how);
+  desk.reply_to("start camera");
+  until(desk, R"("phase":"done")");
+  EXPECT_FALSE(fs::exists(folder_ / "made/20200101-000001"));
+  EXPECT_TRUE(fs::exists(folder_ / "made/20200101-000002"));
+  EXPECT_TRUE(fs::exists(folder_ / "made/20200101-000003"));
+  EXPECT_TRUE(fs::exists(folder_ / "made/somebody-elses"));
+}
+
+TEST_F(CalibrationDeskTest, KnowsItsOwnFilesAlone) {
+  const CalibrationDesk desk(options(""));
+  EXPECT_EQ(desk.file_of("20261123-121415/camera.yaml"), (folder_ / "made/20261123-121415/camera.yaml").string());
+  EXPECT_EQ(desk.file_of("20261123-121415/camera.svg"), (folder_ / "made/20261123-121415/camera.svg").string());
+  for (const char* path :
+       {"", "/", "20261123-121415", "20261123-121415/", "20261123-121415/camera.yaml/", "../camera.yaml",
+        "20261123-121415/../camera.yaml", "20261123-121415/..", "20261123-121415/camera-views/frames.csv",
+        "20261123-121415//camera.yaml", "20261123-12141x/camera.yaml", "20261123-121415-asked/camera.yaml",
+        "20261123-121415%2fcamera.yaml", "20261123-121415/camera.svg%00", "/20261123-121415/camera.svg"})
+    EXPECT_EQ(desk.file_of(path), "") << path;
+}
+
+TEST_F(CalibrationDeskTest, UnderstandsThreeWordsAndNothingWhereItMayNot) {
+  CalibrationDeskOptions how = options(kFinishes);
+  CalibrationDesk desk(how);
+  for (const char* text :
+       {"", "start", "start camera ", "start pan-tilt", "start camera --out /etc/passwd", "cancel\n"})
+    EXPECT_EQ(desk.reply_to(text).status, 400U) << text;
+  how.why_not = "no place";
+  CalibrationDesk closed(how);
+  EXPECT_EQ(closed.reply_to("start camera").status, 403U);
+  expect_part(closed.state_json(), R"({"why_not":"no place",)");
+  EXPECT_EQ(made(), 0U);
+  Config config;
+  expect_part(calibration_desk_options(config, "c", "p", true).why_not, "set `recordings` of [web]");
+  config.web.recordings = "/var/lib/ninedot-web";
+  expect_part(calibration_desk_options(config, "c", "p", false).why_not, "set `token_file` of [web]");
+  EXPECT_EQ(calibration_desk_options(config, "c", "p", true).why_not, "");
+}
+
+}  // namespace
+}  // namespace ninedot
