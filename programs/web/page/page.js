@@ -3,6 +3,7 @@ import { Feed, authorised, setToken } from "./feed.js";
 import { History } from "./history.js";
 import { LiveView } from "./live.js";
 import { FocusView } from "./focus.js";
+import { CalibrateView } from "./calibrate.js";
 import { HealthView, verdicts, worstOf } from "./health.js";
 import { RegistersView } from "./registers.js";
 import { MapView } from "./map.js";
@@ -12,7 +13,7 @@ import { ArView } from "./ar.js";
 import { ConfigurationView } from "./configuration.js";
 
 const $ = (id) => document.getElementById(id);
-const VIEWS = { live: LiveView, focus: FocusView, health: HealthView, registers: RegistersView, map: MapView, aim: AimView, recordings: RecordingsView, ar: ArView,
+const VIEWS = { live: LiveView, focus: FocusView, calibrate: CalibrateView, health: HealthView, registers: RegistersView, map: MapView, aim: AimView, recordings: RecordingsView, ar: ArView,
   configuration: ConfigurationView };
 const THEMES = ["system", "light", "dark"];
 
@@ -102,7 +103,7 @@ $("theme").addEventListener("click", nextTheme);
 window.addEventListener("hashchange", () => show(readHash()));
 window.addEventListener("keydown", (event) => {
   if (event.target.matches("input, select, textarea") || event.ctrlKey || event.metaKey || event.altKey) return;
-  const index = Number(event.key) - 1;
+  const index = /^[0-9]$/.test(event.key) ? (Number(event.key) + 9) % 10 : -1;  // 0 is the tenth
   if (index >= 0 && index < Object.keys(VIEWS).length) location.hash = Object.keys(VIEWS)[index];
   else if (event.key === "t") nextTheme();
   else if (view?.onKey?.(event.key)) event.preventDefault();
