@@ -32,6 +32,7 @@ CHECKS = SMOKE_CHECKS = (
     "wrong-file",
     "page",
     "page-records",
+    "page-calibrates",
     "apply-off",
     "apply-up",
     "apply-refused",
@@ -378,8 +379,30 @@ class Installed:
         files = self.guest.check("find /var/lib/ninedot-web/ -name '*.png' | wc -l; stat -L -c '%U %a' /var/lib/ninedot-web").split("\n")
         self.stage.ok(
             "page-records",
+    "page-calibrates",
             status == stopped == 200 and int(files[0]) > 0 and files[1] == "ninedot-web 700",
             f"{files[0]} pictures in its own folder ({files[1]}); {status} {body.decode()[:120]}",
+        )
+
+    def calibrates(self):
+        """The wizard is a child of the page's, and has its sandbox."""
+        started, body = self.request("POST", "/api/calibrate", "start camera")
+        deadline = time.monotonic() + BACK_WITHIN_S
+        state = {}
+        while started == 200 and time.monotonic() < deadline:
+            state = json.loads(self.request("GET", "/api/calibrate")[1])
+            if state["phase"] != "running" or ((state["news"] or {}).get("views") or 0) >= 2:
+                break
+            time.sleep(0.5)
+        news = state.get("news") or {}
+        kept = self.guest.run("ls /var/lib/ninedot-web/calibrations/*/camera-views/frames/*.png | wc -l")[1]
+        cancelled, _ = self.request("POST", "/api/calibrate", "cancel")
+        time.sleep(2)
+        left = self.guest.run("ls /var/lib/ninedot-web/calibrations; grep -l 'calibrat[e]' /proc/[0-9]*/cmdline 2> /dev/null")[1]
+        self.stage.ok(
+            "page-calibrates",
+            started == cancelled == 200 and (news.get("views") or 0) >= 2 and int(kept) >= 2 and not left,
+            f"{started}, phase {state.get('phase')}, {news.get('views')} views ({kept} pictures), wanted {str(news.get('wanted'))[:60]}; cancelled: {left or 'nothing is left of it'}; {body.decode()[:200] if started != 200 else state.get('why', '')}",
         )
 
     def file(self):
@@ -478,4 +501,5 @@ def run(stage):
         test.sandbox()
         test.wrong_file()
         test.page()
+        test.calibrates()
         test.applies()
