@@ -59,18 +59,23 @@ test("the overlay puts each disc where its dot was seen", async () => {
   const { page, close } = await open("live");
   await shown.live(page);
   // A dot may be lost in a shadow for a frame; what is drawn is judged where all nine were seen.
-  const message = await until("all nine are seen", async () => {
-    const { camera, frame } = await stage.live("overlaytest");
-    return frame.valid && frame.dots.every((dot) => dot[5] > 0) && { camera, frame };
-  });
-  const far = await page.evaluate(async ({ camera, frame }) => {
-    const { projector, dotCentre } = await import("./projection.js");
-    const project = projector(camera, frame.in_landmark);
-    return frame.dots.map(([u, v], dot) => Math.hypot(project(dotCentre(camera, dot))[0] - u, project(dotCentre(camera, dot))[1] - v));
-  }, message);
-  // Shadows across a dot pull what is seen of it aside, by a pixel; a wrong axis or a wrong dot is tens of them.
-  const median = [...far].sort((a, b) => a - b)[4];
-  assert.ok(median < 0.3 && Math.max(...far) < 3, `pixels from disc to dot: ${far}`);
+  const far = [];
+  for (let seen = 0, last = -1; seen < 12;) {
+    const message = await until("all nine are seen in another frame", async () => {
+      const { camera, frame } = await stage.live("overlaytest");
+      return frame.valid && frame.number !== last && frame.dots.every((dot) => dot[5] > 0) && { camera, frame };
+    });
+    last = message.frame.number;
+    ++seen;
+    far.push(...await page.evaluate(async ({ camera, frame }) => {
+      const { projector, dotCentre } = await import("./projection.js");
+      const project = projector(camera, frame.in_landmark);
+      return frame.dots.map(([u, v], dot) => Math.hypot(project(dotCentre(camera, dot))[0] - u, project(dotCentre(camera, dot))[1] - v));
+    }, message));
+  }
+  // Shadows across a dot pull what is seen of it aside, by a pixel, in some frames by a pixel in half of them; a wrong axis or a wrong dot is tens of them.
+  const median = far.sort((one, other) => one - other)[far.length / 2];
+  assert.ok(median < 0.3 && far.at(-1) < 3, `pixels from disc to dot: median ${median}, most ${far.at(-1)}`);
   await close();
 });
 
