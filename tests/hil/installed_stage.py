@@ -379,7 +379,6 @@ class Installed:
         files = self.guest.check("find /var/lib/ninedot-web/ -name '*.png' | wc -l; stat -L -c '%U %a' /var/lib/ninedot-web").split("\n")
         self.stage.ok(
             "page-records",
-    "page-calibrates",
             status == stopped == 200 and int(files[0]) > 0 and files[1] == "ninedot-web 700",
             f"{files[0]} pictures in its own folder ({files[1]}); {status} {body.decode()[:120]}",
         )
