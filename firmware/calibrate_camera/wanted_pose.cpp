@@ -82,8 +82,9 @@ class PoseMaker {
 
  private:
   Eigen::Vector2d middle_of_part(std::size_t part) const {
-    return {(0.5 + static_cast<double>(part % 3)) * lens_.width_px / 3,
-            (0.5 + static_cast<double>(part / 3)) * lens_.height_px / 3};
+    const std::size_t column = part % 3, row = part / 3;
+    return {(0.5 + static_cast<double>(column)) * lens_.width_px / 3,
+            (0.5 + static_cast<double>(row)) * lens_.height_px / 3};
   }
 
   CameraFromLandmark held_along(const Eigen::Vector3d& ray, const Attempt& attempt) const {
