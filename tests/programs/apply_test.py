@@ -14,15 +14,17 @@ from service_harness import BIN, PATIENCE_S, Client, Service, config_text, free_
 # As systemctl with Type=notify: it returns when the service answers, or fails with its last words.
 RESTART = """#!/bin/bash
 cd "$(dirname "$0")"
+exec 9> lock; flock 9  # one after the other, as the jobs of systemd
 if [[ -e pid ]]; then kill "$(cat pid)" 2> /dev/null; while kill -0 "$(cat pid)" 2> /dev/null; do sleep 0.02; done; fi
 echo restart >> restarts
-setsid "{bin}/ninedotd" --config ninedot.toml < /dev/null > /dev/null 2> log & pid=$!
+setsid "{bin}/ninedotd" --config ninedot.toml < /dev/null > /dev/null 2> log 9>&- & pid=$!
 echo "$pid" > pid
 for _ in $(seq 1000); do
   grep -q "read the position with" log && exit 0
   kill -0 "$pid" 2> /dev/null || {{ tail -n 1 log >&2; exit 1; }}
   sleep 0.02
 done
+echo "no listening service" >&2; exit 1
 """
 
 
@@ -172,7 +174,6 @@ class Apply(unittest.TestCase):
         process.communicate()
         self.assertIn(self.config.read_text(), (self.old, new))
         self.assertEqual((self.folder / "ninedot.toml.last-good").read_text(), self.old)
-        time.sleep(1)
         done = self.apply()
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("an earlier apply was cut short", done.stdout)
