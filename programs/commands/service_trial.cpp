@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,6 +13,7 @@
 #include <span>
 
 #include "base/one_line.h"
+#include "drivers/posix/child_program.h"
 #include "drivers/posix/file_descriptor.h"
 #include "proto/register_codec.h"
 
@@ -30,34 +30,6 @@ constexpr std::size_t kKept_bytes = 4096;
 constexpr auto kUptimeSlack = 2s;
 const std::vector<std::string> kSystemdRestart{"systemctl", "restart", "ninedotd"};
 const std::vector<std::string> kSystemdState{"systemctl", "show", "--property=ActiveState,MainPID", "ninedotd"};
-
-/// A child in a process group of its own with ordinary signals, so that Ctrl-C is ours to answer.
-pid_t spawn(const std::vector<std::string>& words, int output) {
-  posix_spawn_file_actions_t files;
-  posix_spawnattr_t attributes;
-  ::posix_spawn_file_actions_init(&files);
-  ::posix_spawnattr_init(&attributes);
-  ::posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  ::posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
-  ::posix_spawn_file_actions_adddup2(&files, output, STDERR_FILENO);
-  sigset_t none, defaults;
-  ::sigemptyset(&none);
-  ::sigemptyset(&defaults);
-  ::sigaddset(&defaults, SIGPIPE);
-  ::posix_spawnattr_setsigmask(&attributes, &none);
-  ::posix_spawnattr_setsigdefault(&attributes, &defaults);
-  ::posix_spawnattr_setpgroup(&attributes, 0);
-  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  pid_t child = -1;
-  const int error = ::posix_spawnp(&child, arguments[0], &files, &attributes, arguments.data(), environ);
-  ::posix_spawnattr_destroy(&attributes);
-  ::posix_spawn_file_actions_destroy(&files);
-  errno = error;
-  return error == 0 ? child : -1;
-}
 
 void keep_end(int descriptor, std::string& printed) {
   std::array<char, 4096> part{};
@@ -97,12 +69,13 @@ ProgramOutcome ServiceTrial::run_program_for(const std::vector<std::string>& wor
   const FileDescriptor output(ends[0]);
   ::fcntl(output.get(), F_SETFL, O_NONBLOCK);
   FileDescriptor given(ends[1]);
-  const pid_t child = spawn(words, given.get());
+  const Result<pid_t> started = start_program(words, given.get(), given.get());
   given = FileDescriptor();
-  if (child < 0) {
-    outcome.what = std::strerror(errno);
+  if (!started) {
+    outcome.what = std::strerror(started.error().os_errno);
     return outcome;
   }
+  const pid_t child = *started;
   int status = 0;
   const bool was_interrupted = is_interrupted_;  // then this is the way back, which is not broken off again
   for (;;) {

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "base/json_text.h"
+#include "drivers/posix/child_program.h"
 #include "programs/web/recording_name.h"
 
 namespace ninedot {
@@ -36,34 +36,6 @@ std::vector<fs::path> kept_in(const fs::path& folder) {
     if (is_time_name(place->path().filename().string())) kept.push_back(place->path());
   std::ranges::sort(kept);
   return kept;
-}
-
-/// \return  pid, or errno below zero
-pid_t spawn(const std::vector<std::string>& words, int told) {
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&files, told, STDOUT_FILENO);
-  // What it says there to people is in its lines as well.
-  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 1);
-  // Signals are as for a program that a person starts, not blocked as this process has them.
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t none, all;
-  sigemptyset(&none);
-  sigfillset(&all);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &all);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  pid_t child = -1;
-  const int error = ::posix_spawn(&child, arguments.front(), &files, &attributes, arguments.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&files);
-  return error == 0 ? child : -error;
 }
 
 std::string_view state_of(std::string_view line) {
@@ -126,15 +98,17 @@ CalibrationReply CalibrationDesk::start() {
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return {500, fmt::format("No pipe: {}\n", std::strerror(errno))};
   FileDescriptor told(ends[0]);
   const FileDescriptor tells(ends[1]);
-  const pid_t child = spawn({options_.program, "calibrate", "camera", "--tap", "--config", options_.config_path,
-                             "--out", (folder / kCalibration).string(), "--progress", "json"},
-                            tells.get());
-  if (child < 0) {
+  // What it says to people is in its lines as well.
+  const Result<pid_t> child =
+      start_program({options_.program, "calibrate", "camera", "--tap", "--config", options_.config_path, "--out",
+                     (folder / kCalibration).string(), "--progress", "json"},
+                    tells.get(), -1);
+  if (!child) {
     fs::remove_all(folder, error);
-    return {500, fmt::format("{} can't be started: {}\n", options_.program, std::strerror(-child))};
+    return {500, fmt::format("{} can't be started: {}\n", options_.program, std::strerror(child.error().os_errno))};
   }
   const std::lock_guard lock(mutex_);
-  child_ = child;
+  child_ = *child;
   phase_ = Phase::kRunning;
   name_ = name;
   news_.clear(), why_.clear();
@@ -146,7 +120,8 @@ CalibrationReply CalibrationDesk::start() {
 
 CalibrationReply CalibrationDesk::signal_child(int number, Phase phase) {
   const std::lock_guard lock(mutex_);
-  if (child_ <= 0) return {409, "No calibration is under way.\n"};
+  // One that is cancelled, or was given up, is about to end and nothing more.
+  if (child_ <= 0 || phase_ != Phase::kRunning) return {409, "No calibration is under way.\n"};
   ::kill(child_, number);
   phase_ = phase;
   return {200, json()};

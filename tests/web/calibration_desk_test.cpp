@@ -102,6 +102,7 @@ TEST_F(CalibrationDeskTest, CancelsAndKeepsNothing) {
   desk.reply_to("start camera");
   until(desk, "gathering");
   EXPECT_EQ(desk.reply_to("cancel").status, 200U);
+  EXPECT_EQ(desk.reply_to("finish").status, 409U) << "it is being cancelled";
   expect_part(until(desk, R"("news":null)"), R"("phase":"cancelled")");
   EXPECT_TRUE(is_gone());
   EXPECT_EQ(made(), 0U);

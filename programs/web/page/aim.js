@@ -1,5 +1,5 @@
 // What the head does and why, where it can go, and a hand on it for as long as a button is held.
-import { element, fixed, setText } from "./dom.js";
+import { element, fixed, setText, tellVerdict } from "./dom.js";
 import { reader } from "./decode.js";
 import { Jog } from "./jog.js";
 import { JogPad } from "./jogpad.js";
@@ -138,13 +138,7 @@ export class AimView {
 
   tellState(message, status) {
     const { value } = this;
-    const say = (kind, title, words) => {
-      this.verdict.className = `verdict ${kind}`;
-      const signature = `${title}: ${words}`;
-      if (this.said === signature) return;
-      this.said = signature;
-      this.verdict.replaceChildren(title, element("small", {}, words));
-    };
+    const say = (...words) => tellVerdict(this.verdict, ...words);
     if (!value) return say("bad", message.problem ? "No service" : "Waiting for the service", message.problem ?? "");
     if (!this.hasHead) return say("none", "No head", "This service has no pan/tilt head: `driver` of [pan_tilt] is \"none\".");
     const [name, words, kind] = STATES[value("head_state")] ?? ["?", "", "warn"];

@@ -1,7 +1,7 @@
 // A model that stands on the landmark, in the live picture, by the pose of that very picture.
 import { potGlb } from "./ar_pot.js";
 import { ArScene } from "./ar_scene.js";
-import { element, fixed, saveAs, setText } from "./dom.js";
+import { element, fixed, saveAs, setText, tellNoFrame, tellVerdict } from "./dom.js";
 import { MOST_MB, readModel } from "./glb.js";
 
 // A picture that is older is not shown as if it were new.
@@ -75,7 +75,7 @@ export class ArView {
   }
 
   async begin() {
-    this.tell("none", "Loading ...", "");
+    tellVerdict(this.verdict, "none", "Loading ...", "");
     const three = await import("./three.js");
     if (this.hasLeft) return;
     if (three.isAbsent) throw new Error("This ninedot-web was built without the view AR: ./dev ar fetches what it needs; then build it again.");
@@ -92,7 +92,7 @@ export class ArView {
   giveUp(why) {
     this.isOver = true;
     this.stage.hidden = this.controls.hidden = this.facts.hidden = true;
-    this.tell("bad", "No AR here", why);
+    tellVerdict(this.verdict, "bad", "No AR here", why);
   }
 
   leave() {
@@ -222,16 +222,9 @@ export class ArView {
   }
 
   judge({ frame, problem, received }) {
-    if (!frame) return this.tell("bad", problem ? "No service" : "Waiting for a frame", problem ?? "");
-    if (received - this.freshAt > STALE_MS) return this.tell("warn", "No new frame", "The picture is old: is the camera there?");
-    if (frame.valid) return this.tell(frame.calibrated ? "good" : "warn", `Standing on landmark ${frame.landmark}`, frame.calibrated ? "Picture and pose are of the same frame." : "Not calibrated: run with a camera.yaml of this camera.");
-    this.tell("warn", "No pose, no model", `${frame.why}.`);
-  }
-
-  tell(kind, title, words) {
-    if (this.said === kind + title + words) return;
-    this.said = kind + title + words;
-    this.verdict.className = `verdict ${kind}`;
-    this.verdict.replaceChildren(title, element("small", {}, words));
+    if (!frame) return tellNoFrame(this.verdict, problem);
+    if (received - this.freshAt > STALE_MS) return tellVerdict(this.verdict, "warn", "No new frame", "The picture is old: is the camera there?");
+    if (frame.valid) return tellVerdict(this.verdict, frame.calibrated ? "good" : "warn", `Standing on landmark ${frame.landmark}`, frame.calibrated ? "Picture and pose are of the same frame." : "Not calibrated: run with a camera.yaml of this camera.");
+    tellVerdict(this.verdict, "warn", "No pose, no model", `${frame.why}.`);
   }
 }

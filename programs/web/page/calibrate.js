@@ -1,6 +1,7 @@
 // The wizard of `ninedot calibrate camera`: how to hold the sheet next, drawn into the picture, what there is by now,
 // and what came of it.
-import { element, fixed, saveAs, setText } from "./dom.js";
+import { Asking } from "./asking.js";
+import { element, fixed, saveAs, setText, tellVerdict } from "./dom.js";
 import { authorised } from "./feed.js";
 import { drawCoverage, drawHolding } from "./holding.js";
 
@@ -31,7 +32,6 @@ function inShort(meets) {
 export class CalibrateView {
   constructor(main) {
     this.wantsPicture = true;
-    this.isAsking = true;
     this.verdict = element("div.verdict.none", { id: "calibrate-state", role: "status" }, "Asking ...");
     this.looked = element("p.looked", { id: "calibrate-looked", role: "status" });
     this.note = element("p.warn", { id: "calibrate-note", role: "status", hidden: true });
@@ -53,48 +53,25 @@ export class CalibrateView {
     element("section.card.other", {}, element("h2", {}, "A pan/tilt head"),
       element("p", {}, "Its calibration moves the head by itself, with the service stopped: ", element("code", {}, "systemctl stop ninedotd"), ", then ",
         element("code", {}, "ninedot calibrate pan-tilt --config /etc/ninedot/ninedot.toml --out head.toml"), ". A head that follows the landmark keeps it in the picture's middle: take it in hand in Aim while the camera is calibrated.")));
-    this.ask();
+    this.asking = new Asking(PATH, (state) => this.tell(state), (state) => (state?.phase === "running" ? ASK_EVERY_MS : ASK_AT_REST_MS));
+    this.asking.ask();
   }
 
   leave() {
-    this.isAsking = false;
-    clearTimeout(this.timer);
+    this.asking.end();
     this.picture?.close();
     if (this.url) URL.revokeObjectURL(this.url);
   }
 
-  async ask() {
-    clearTimeout(this.timer);
-    try {
-      const response = await authorised(PATH, { signal: AbortSignal.timeout(8000) });
-      if (response.ok && this.isAsking) this.tell(await response.json());
-    } catch {
-      // The page's frame says that nobody answers.
-    }
-    if (this.isAsking) this.timer = setTimeout(() => this.ask(), this.state?.phase === "running" ? ASK_EVERY_MS : ASK_AT_REST_MS);
-  }
-
   async order(text) {
-    let said = "ninedot-web does not answer: nothing was done.";
-    try {
-      const response = await authorised(PATH, { method: "POST", body: text, signal: AbortSignal.timeout(8000) });
-      const answer = await response.text();
-      said = response.ok ? "" : answer.trim();
-      if (response.ok) this.tell(JSON.parse(answer));
-    } catch {
-      // As above.
-    }
+    const said = await this.asking.order(text);
     setText(this.note, said);
     this.note.hidden = !said;
-    this.ask();
+    this.asking.ask();
   }
 
   say(kind, title, words) {
-    const said = `${kind} ${title} ${words}`;
-    if (this.verdict.dataset.said === said) return;
-    this.verdict.dataset.said = said;
-    this.verdict.className = `verdict ${kind}`;
-    this.verdict.replaceChildren(title, ...(words ? [element("small", {}, words)] : []));
+    tellVerdict(this.verdict, kind, title, words);
   }
 
   tell(state) {
@@ -160,7 +137,7 @@ export class CalibrateView {
       element("pre.commands", { id: "calibrate-commands" }, `install -b -m 644 ${state.folder}/${name}/camera.yaml ${place}\n`
         + (state.calibration ? `ninedot check --config ${state.config} && systemctl restart ninedotd` : `# [camera]\n# calibration = "camera.yaml"`)));
     const response = await authorised(`${PATH}/${name}/camera.svg`).catch(() => null);
-    if (!response?.ok || !this.isAsking || this.shownResult !== name) return;
+    if (!response?.ok || !this.asking.isAlive || this.shownResult !== name) return;
     if (this.url) URL.revokeObjectURL(this.url);
     this.url = URL.createObjectURL(await response.blob());
     drawing.src = this.url;
@@ -174,7 +151,7 @@ export class CalibrateView {
   async update(message) {
     if (!message.jpeg) return;
     const picture = await createImageBitmap(message.jpeg).catch(() => null);
-    if (!picture || !this.isAsking) return picture?.close();
+    if (!picture || !this.asking.isAlive) return picture?.close();
     this.picture?.close();
     this.picture = picture;
     this.redraw();

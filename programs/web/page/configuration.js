@@ -1,6 +1,6 @@
 // The service's configuration: edited, checked while one types, compared with the file, and applied by whoever on the
 // sensor may do so. This page only asks for it.
-import { element, setText } from "./dom.js";
+import { element, setText, tellVerdict } from "./dom.js";
 import { reader } from "./decode.js";
 import { counted, difference, shortened } from "./difference.js";
 import { Editor } from "./editor.js";
@@ -91,7 +91,7 @@ export class ConfigurationView {
     this.isOfAnother = Boolean(draft) && draft.tag !== file.tag && draft.text !== file.text;
     this.whyNot.hidden = !file.why_not;
     setText(this.whyNot, `It can be edited and checked here, but not applied: ${file.why_not}.`);
-    if (file.problem) setText(this.verdict, file.problem);
+    if (file.problem) this.say("bad", "The file can't be read", file.problem);
     if (file.apply.state === "running") this.watch();
     else if (isFirst && file.apply.state !== "none") this.tellProgress(file.apply);
     this.edited(0);
@@ -146,8 +146,7 @@ export class ConfigurationView {
   }
 
   say(kind, title, words) {
-    this.verdict.className = `verdict ${kind}`;
-    this.verdict.replaceChildren(title, ...(words ? [element("small", {}, words)] : []));
+    tellVerdict(this.verdict, kind, title, words);
   }
 
   tellDifference() {

@@ -15,6 +15,17 @@ export const setText = (node, text) => {
   if (node.textContent !== text) node.textContent = text;
 };
 
+// What a view says first. kind: good, warn, bad or none. What has not changed is left: screen readers would say it again.
+export function tellVerdict(node, kind, title, words = "") {
+  const said = JSON.stringify([kind, title, words]);
+  if (node.dataset.said === said) return;
+  node.dataset.said = said;
+  node.className = `verdict ${kind}`;
+  node.replaceChildren(title, ...(words ? [element("small", {}, words)] : []));
+}
+
+export const tellNoFrame = (node, problem) => tellVerdict(node, "bad", problem ? "No service" : "Waiting for a frame", problem ?? "");
+
 // As many decimals as leave two digits of the uncertainty: more would be noise.
 export function decimalsFor(sigma) {
   if (!(sigma > 0) || !Number.isFinite(sigma)) return 1;

@@ -1,5 +1,5 @@
 // For hands at the lens: how sharp the landmark is while the focus ring turns, and whether light and exposure are right.
-import { element, fixed, setText } from "./dom.js";
+import { element, fixed, setText, tellNoFrame, tellVerdict } from "./dom.js";
 import { lines } from "./plot.js";
 import { SPAN_MS } from "./history.js";
 import { BLACK, WHITE, SMALLEST_RADIUS_PX, greyOf, rangeOf, sharpnessOf } from "./sharpness.js";
@@ -71,10 +71,7 @@ export class FocusView {
 
   async update(message) {
     if (!message.frame || !message.jpeg) {
-      if (!message.frame) {
-        this.verdict.className = "verdict bad";
-        this.verdict.replaceChildren(message.problem ? "No service" : "Waiting for a frame", element("small", {}, message.problem ?? ""));
-      }
+      if (!message.frame) tellNoFrame(this.verdict, message.problem);
       return;
     }
     const bitmap = await createImageBitmap(message.jpeg).catch(() => null);
@@ -104,9 +101,7 @@ export class FocusView {
   }
 
   tell(sharp, range, frame) {
-    const [kind, words, advice] = judgement(sharp, frame);
-    this.verdict.className = `verdict ${kind}`;
-    this.verdict.replaceChildren(words, element("small", {}, advice));
+    tellVerdict(this.verdict, ...judgement(sharp, frame));
     const fact = (name, value) => element("tr", {}, element("th", {}, name), element("td.n", {}, value));
     const percent = (share) => `${fixed(100 * share, share < 0.1 ? 1 : 0)} %`;
     const of = (value, unit, decimals = 0) => (sharp ? `${fixed(value(), decimals)} ${unit}` : "–");

@@ -1,5 +1,5 @@
 // What the sensor sees now, and what it makes of it.
-import { decimalsFor, element, fixed, saveAs, setText } from "./dom.js";
+import { decimalsFor, element, fixed, saveAs, setText, tellNoFrame, tellVerdict } from "./dom.js";
 import { draw } from "./overlay.js";
 import { lines } from "./plot.js";
 
@@ -98,8 +98,7 @@ export class LiveView {
     if (message.fresh) this.freshAt = message.received;
     this.canvas.classList.toggle("stale", message.received - (this.freshAt ?? 0) > STALE_MS);
     if (!message.frame) {
-      this.verdict.className = "verdict bad";
-      this.verdict.replaceChildren(message.problem ? "No service" : "Waiting for a frame", element("small", {}, message.problem ?? ""));
+      tellNoFrame(this.verdict, message.problem);
       this.pose.className = "pose stale";
       return;
     }
@@ -135,8 +134,7 @@ export class LiveView {
     const words = frame.valid && !isLate
       ? [`Landmark ${frame.landmark} found`, frame.calibrated ? (frame.tracking ? "tracking" : "full search") : "not calibrated: run with a camera.yaml of this camera"]
       : [isLate && frame.valid ? "No new frame" : sentence(why), isLate && frame.valid ? ADVICE[4] : ADVICE[reason] ?? ""];
-    this.verdict.className = `verdict ${kind}`;
-    this.verdict.replaceChildren(words[0], element("small", {}, words[1]));
+    tellVerdict(this.verdict, kind, ...words);
     const pose = frame.in_world;
     this.pose.className = frame.valid && !isLate ? "pose" : "pose stale";
     // The same decimals for all three, so that they stand below each other.

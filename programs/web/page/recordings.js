@@ -1,5 +1,6 @@
 // What was seen: recorded because somebody asked, or because the landmark was lost; listed, looked at again, fetched.
-import { duration, element, saveAs, setText } from "./dom.js";
+import { Asking } from "./asking.js";
+import { duration, element, saveAs, setText, tellVerdict } from "./dom.js";
 import { authorised } from "./feed.js";
 import { Replay } from "./replay.js";
 
@@ -40,13 +41,12 @@ export class RecordingsView {
       element("section.card", {}, element("h2", {}, "By hand"), this.verdict, element("div.tools", {}, this.startButton), this.note, this.room),
       element("section.card", {}, element("h2", {}, "What did it see?"), this.losses, this.lossFacts), this.player,
       element("section.card.list", {}, element("h2", {}, "Kept on the sensor"), this.empty, this.list)));
-    this.isAsking = true;
-    this.ask();
+    this.asking = new Asking(PATH, (state) => this.tell(state), () => ASK_EVERY_MS);
+    this.asking.ask();
   }
 
   leave() {
-    this.isAsking = false;
-    clearTimeout(this.timer);
+    this.asking.end();
     this.replay?.leave();
   }
 
@@ -59,27 +59,9 @@ export class RecordingsView {
     return true;
   }
 
-  async ask() {
-    clearTimeout(this.timer);
-    try {
-      const response = await authorised(PATH, { signal: AbortSignal.timeout(8000) });
-      if (response.ok && this.isAsking) this.tell(await response.json());
-    } catch {
-      // The page's frame says that nobody answers.
-    }
-    if (this.isAsking && !document.hidden) this.timer = setTimeout(() => this.ask(), ASK_EVERY_MS);
-    else if (this.isAsking) document.addEventListener("visibilitychange", () => this.ask(), { once: true });
-  }
-
   async order(text) {
-    try {
-      const response = await authorised(PATH, { method: "POST", body: text, signal: AbortSignal.timeout(8000) });
-      const answer = await response.text();
-      if (answer.startsWith("{")) this.tell(JSON.parse(answer));
-      else this.say(answer);
-    } catch {
-      this.say("ninedot-web does not answer: nothing was done.");
-    }
+    const said = await this.asking.order(text);
+    if (said) this.say(said);
   }
 
   toggle() {
@@ -100,8 +82,7 @@ export class RecordingsView {
       : isOn ? ["warn", "Waiting for the first frame", ""]
       : state.may ? ["none", "Ready", `A recording ends by itself after ${seconds(state.longest_ms)}.`]
       : ["none", "Only to look at", "Without a token nothing can be recorded or deleted: set `token_file` of [web]."];
-    this.verdict.className = `verdict ${words[0]}`;
-    this.show(this.verdict, words[1], words[2]);
+    tellVerdict(this.verdict, ...words);
     setText(this.startButton, isOn ? "Stop" : "Start recording");
     this.startButton.disabled = Boolean(state.why_not) || !state.may || state.phase === "stopping";
     this.startButton.setAttribute("aria-pressed", String(isOn));
@@ -111,16 +92,8 @@ export class RecordingsView {
     this.tellList(state);
   }
 
-  show(node, title, words) {
-    if (node.dataset.said === title + words) return;
-    node.dataset.said = title + words;
-    node.replaceChildren(title, element("small", {}, words));
-  }
-
   tellLosses({ phase, before_ms: before, spacing_ms: spacing, skipped, memory }) {
-    const [kind, title, words] = LOSSES[phase];
-    this.losses.className = `verdict ${kind}`;
-    this.show(this.losses, title, words);
+    tellVerdict(this.losses, ...LOSSES[phase]);
     const facts = [`${seconds(before)} before a loss and a second after it`, memory ? `${megabytes(memory)} of memory` : "",
       spacing ? `a frame every ${spacing} ms, for more do not fit` : "every frame", skipped ? `${skipped} more losses within half a minute of another one` : ""];
     setText(this.lossFacts, phase === "off" ? "" : `${facts.filter(Boolean).join("; ")}.`);
