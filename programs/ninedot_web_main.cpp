@@ -17,6 +17,7 @@
 #include "programs/assembly/input_files.h"
 #include "programs/program.h"
 #include "programs/web/access.h"
+#include "programs/web/apply_request.h"
 #include "programs/web/calibration_desk.h"
 #include "programs/web/configuration_desk.h"
 #include "programs/web/jogger.h"
@@ -68,7 +69,7 @@ void tell_address(const WebConfig& web, bool tls) {
 
 /// Until a signal comes, or the service runs with a new configuration. \return  whether that is why
 bool serve(const Config& config, const std::string& config_path, const std::string& ninedot,
-           const TerminationSignals& signals, ConfigurationDesk& desk, ServiceManager& manager) {
+           const TerminationSignals& signals, ApplyRequest& request, ServiceManager& manager) {
   const WebConfig& web = config.web;
   NewestMap map(config_path);
   AccessRules rules;
@@ -77,7 +78,8 @@ bool serve(const Config& config, const std::string& config_path, const std::stri
   if (!web.token_file.empty()) rules.token = read_token(web.token_file);
   Jogger jogger(jogger_options(config, !rules.token.empty()));
   Recorder recorder(recorder_options(config, !rules.token.empty()));
-  CalibrationDesk calibrations(calibration_desk_options(config, config_path, ninedot, !rules.token.empty()));
+  ConfigurationDesk desk(config_path, request);
+  CalibrationDesk calibrations(calibration_desk_options(config, config_path, ninedot, !rules.token.empty()), request);
   const WebServerOptions options{web,    config.tap.path, rules, [&] { return map.json(); },
                                  jogger, recorder,        desk,  calibrations};
   WebServer server(options);
@@ -85,7 +87,7 @@ bool serve(const Config& config, const std::string& config_path, const std::stri
   manager.ready();
   bool is_new = false;
   server.run([&] {
-    is_new = desk.takes_new_file(mono_now());
+    is_new = request.takes_new_file(mono_now());
     return is_new || signals.wait(std::chrono::nanoseconds(0)) != 0;
   });
   return is_new;
@@ -101,17 +103,17 @@ void run_web(const std::string& config_path, const std::string& apply_socket, co
   Config config = servable_config(config_path);
   const TerminationSignals signals;  // before the first thread
   ServiceManager manager;
-  ConfigurationDesk desk(config_path, apply_socket);
+  ApplyRequest request(apply_socket);
   std::optional<Config> last;  // what the page was served by until now
   for (;;) {
     try {
       if (last) config = servable_config(config_path);
-      if (!serve(config, config_path, ninedot, signals, desk, manager)) break;
+      if (!serve(config, config_path, ninedot, signals, request, manager)) break;
       last = config;
     } catch (const StartupError& error) {
       if (!last) throw;
       fmt::print(stderr, "ninedot-web: {}: the page goes on as it was\n", error.what());
-      if (!serve(*last, config_path, ninedot, signals, desk, manager)) break;
+      if (!serve(*last, config_path, ninedot, signals, request, manager)) break;
     }
   }
   manager.stopping();

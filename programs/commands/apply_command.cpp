@@ -1,5 +1,5 @@
-// `ninedot apply`: a new configuration in the old one's place, if the service comes up with it. Until that is known the
-// old one is kept beside it, and brought back otherwise.
+// `ninedot apply`: a new configuration, or a new calibration of the camera, in the old one's place, if the service
+// comes up with it. Until that is known the old one is kept beside it, and brought back otherwise.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <unistd.h>
@@ -15,10 +15,12 @@
 
 #include "base/startup_error.h"
 #include "drivers/posix/signals.h"
+#include "drivers/posix/text_file.h"
 #include "programs/commands/candidate.h"
 #include "programs/commands/child_check.h"
 #include "programs/commands/commands.h"
 #include "programs/commands/config_change.h"
+#include "programs/commands/new_calibration.h"
 #include "programs/commands/service_trial.h"
 
 namespace ninedot {
@@ -28,7 +30,7 @@ struct ApplyArguments {
   std::string candidate = "-", config, check_as;
   std::vector<std::string> restart;
   int within_s = 30;
-  bool page = false;
+  bool is_calibration = false, page = false;
 };
 
 /// One line of progress. Whoever listened may be gone: that is no reason to stop half way.
@@ -48,19 +50,13 @@ class Apply {
                                            : arguments.candidate) {}
 
   void run() {
-    const std::string text = arguments_.page ? read_request(STDIN_FILENO) : read_candidate(arguments_.candidate);
+    const Candidate candidate = this->candidate();
+    const ApplyLock lock(arguments_.config);
+    if (candidate.kind == CandidateKind::kCalibration) return put_calibration(candidate.text);
     ConfigChange change(arguments_.config);
-    if (change.was_cut_short())
-      say("note", fmt::format("an earlier apply was cut short; what ran before it is {}", change.last_good_path()));
-    else if (text == change.text())
-      return say("unchanged", arguments_.config + " holds this already");
-    say("checking", name_);
-    const CheckedConfig checked =
-        check_in_child(text, name_, arguments_.config, arguments_.check_as, CheckDepth::kEverything);
-    for (const std::string& note : checked.notes) say("note", note);
-    if (!checked.refused.empty())
-      throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}", fmt::join(checked.refused, "\n")));
-    try_out(change, text, checked);
+    if (!is_new(change, candidate.text)) return;
+    const CheckedConfig checked = check({candidate.text, name_, arguments_.config, {}});
+    try_out(change, candidate.text, checked, change.last_good());
   }
 
   /// How it failed.
@@ -69,14 +65,60 @@ class Apply {
   }
 
  private:
-  void try_out(ConfigChange& change, const std::string& text, const CheckedConfig& checked) {
+  Candidate candidate() const {
+    if (arguments_.page) return read_request(STDIN_FILENO);
+    return {arguments_.is_calibration ? CandidateKind::kCalibration : CandidateKind::kConfiguration,
+            read_candidate(arguments_.candidate)};
+  }
+
+  void put_calibration(const std::string& text) {
+    const std::string config = read_text_file(arguments_.config, kMaxApplied_bytes);
+    const CalibrationPlace place = place_for_calibration(config, arguments_.config);
+    if (place.config_text.empty()) {
+      ConfigChange change(place.path);
+      if (!is_new(change, text)) return;
+      const FileOnTrial file(place.path + ".new", text, place.path);
+      const CheckedConfig checked = check({config, arguments_.config, arguments_.config, file.path()});
+      return try_out(change, text, checked, config);
+    }
+    ConfigChange change(arguments_.config);
+    is_new(change, place.config_text);
+    // Until the configuration names it nobody reads it.
+    FileOnTrial file(place.path, text, arguments_.config);
+    const CheckedConfig checked = check({place.config_text, arguments_.config, arguments_.config, {}});
+    try_out(change, place.config_text, checked, change.last_good());
+    file.keep();
+  }
+
+  /// Says what there is to say where it is not, or where an earlier one was cut short.
+  static bool is_new(const ConfigChange& change, const std::string& text) {
+    if (change.was_cut_short()) {
+      say("note", fmt::format("an earlier apply was cut short; what ran before it is {}", change.last_good_path()));
+      return true;
+    }
+    if (text == change.text()) say("unchanged", change.path() + " holds this already");
+    return text != change.text();
+  }
+
+  CheckedConfig check(const ConfigToCheck& subject) const {
+    say("checking", subject.calibration.empty() ? subject.name : subject.calibration);
+    CheckedConfig checked = check_in_child(subject, arguments_.check_as, CheckDepth::kEverything);
+    for (const std::string& note : checked.notes) say("note", note);
+    if (!checked.refused.empty())
+      throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}", fmt::join(checked.refused, "\n")));
+    return checked;
+  }
+
+  /// \param last_config  with which it ran
+  void try_out(ConfigChange& change, const std::string& text, const CheckedConfig& checked,
+               const std::string& last_config) {
     const TerminationSignals signals;
     const TrialTeller tell = say;
     ServiceTrial trial({arguments_.restart, std::chrono::seconds(arguments_.within_s)}, signals, tell);
     // Before anything is changed: on the way back nothing may fail that can be done now.
-    const CheckedConfig old = check_in_child(change.last_good(), arguments_.config, arguments_.config,
+    const CheckedConfig old = check_in_child({last_config, arguments_.config, arguments_.config, {}},
                                              arguments_.check_as, CheckDepth::kEndpointOnly);
-    say("replacing", arguments_.config);
+    say("replacing", change.path());
     change.put(text);
     const std::optional<std::string> reason = trial.restart_and_watch(checked.host, checked.port);
     if (!reason) {
@@ -90,9 +132,9 @@ class Apply {
     throw StartupError(ExitStatus::kWorkFailed,
                        again ? fmt::format("{}: as it was before, because with the new one: {}; with the old one the "
                                            "service does not run either: {}",
-                                           arguments_.config, *reason, *again)
+                                           change.path(), *reason, *again)
                              : fmt::format("{}: as it was before, and the service runs with it; with the new one: {}",
-                                           arguments_.config, *reason));
+                                           change.path(), *reason));
   }
 
   const ApplyArguments& arguments_;
@@ -124,10 +166,14 @@ void run_apply(const ApplyArguments& arguments) {
 void add_apply_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "apply",
-      "Put a new configuration in the place of the service's, restart it, and go back if it does not come up with it");
+      "Put a new configuration, or a calibration of the camera, in the place of the service's, restart it, and go back "
+      "if it does not come up with it");
   const auto arguments = std::make_shared<ApplyArguments>();
   CLI::Option* const candidate =
       command->add_option("new", arguments->candidate, "the new configuration; - is standard input");
+  CLI::Option* const calibration = command->add_flag(
+      "--calibration", arguments->is_calibration,
+      "the new file is a calibration of the camera: it takes the place of the one that the configuration names");
   command->add_option("--config", arguments->config, "the file that the service reads")->required();
   command
       ->add_option("--restart", arguments->restart,
@@ -142,11 +188,12 @@ void add_apply_command(CLI::App& app) {
   command->add_option("--check-as", arguments->check_as,
                       "user with whose rights the new configuration is checked; for root");
   CLI::Option* const page = command->add_flag(
-      "--page", arguments->page, "standard input is a connection of ninedot-web: a line `apply BYTES`, then the file");
-  page->excludes(candidate);
+      "--page", arguments->page,
+      "standard input is a connection of ninedot-web: a line `apply BYTES` or `calibration BYTES`, then the file");
+  page->excludes(candidate)->excludes(calibration);
   command->callback([arguments, candidate, page] {
     if (candidate->count() + page->count() == 0)
-      throw StartupError(ExitStatus::kWrongUsage, "name the new configuration, or - for standard input");
+      throw StartupError(ExitStatus::kWrongUsage, "name the new file, or - for standard input");
     run_apply(*arguments);
   });
 }

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 #include "base/mono_time.h"
 #include "base/startup_error.h"
@@ -21,7 +22,8 @@ namespace ninedot {
 namespace {
 
 constexpr std::chrono::seconds kPatience{10};
-constexpr std::string_view kVerb = "apply ";
+constexpr std::array kVerbs{std::pair{std::string_view("apply "), CandidateKind::kConfiguration},
+                            std::pair{std::string_view("calibration "), CandidateKind::kCalibration}};
 constexpr std::size_t kMaxHead_bytes = 32;
 
 [[noreturn]] void refuse(const std::string& what) { throw StartupError(ExitStatus::kWrongUsage, what); }
@@ -42,15 +44,20 @@ bool read_more(int descriptor, MonoTime until, std::string& text) {
   }
 }
 
-std::size_t length_told(std::string_view head) {
-  std::size_t length = 0;
-  const std::string_view number = head.substr(std::min(head.size(), kVerb.size()));
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), length);
-  if (!head.starts_with(kVerb) || error != std::errc() || end != number.data() + number.size() || length == 0)
-    refuse("that is no request: a line `apply BYTES`, then so many bytes");
-  if (length > kMaxApplied_bytes)
-    refuse(fmt::format("longer than {} bytes: is it a configuration?", kMaxApplied_bytes));
-  return length;
+/// \return  0: it is none
+std::size_t number_in(std::string_view digits) {
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  return error == std::errc() && end == digits.data() + digits.size() ? number : 0;
+}
+
+std::pair<CandidateKind, std::size_t> told_by(std::string_view head) {
+  for (const auto& [verb, kind] : kVerbs) {
+    const std::size_t length = head.starts_with(verb) ? number_in(head.substr(verb.size())) : 0;
+    if (length > kMaxApplied_bytes) refuse(fmt::format("longer than {} bytes: is it such a file?", kMaxApplied_bytes));
+    if (length > 0) return {kind, length};
+  }
+  refuse("that is no request: a line `apply BYTES` or `calibration BYTES`, then so many bytes");
 }
 
 }  // namespace
@@ -61,20 +68,20 @@ std::string read_candidate(const std::string& path) {
   return text;
 }
 
-std::string read_request(int descriptor) {
+Candidate read_request(int descriptor) {
   const MonoTime until = mono_now() + kPatience;
   std::string text;
   while (text.find('\n') == std::string::npos && text.size() < kMaxHead_bytes && read_more(descriptor, until, text)) {
   }
   const std::size_t head = std::min(text.find('\n'), text.size());
-  const std::size_t length = length_told(std::string_view(text).substr(0, head));
+  const auto [kind, length] = told_by(std::string_view(text).substr(0, head));
   text.erase(0, head + 1);
   while (text.size() < length && read_more(descriptor, until, text)) {
   }
   if (text.size() != length)
     refuse(fmt::format("the request holds {} of the {} bytes that it told of, so nothing is changed", text.size(),
                        length));
-  return text;
+  return {kind, std::move(text)};
 }
 
 }  // namespace ninedot

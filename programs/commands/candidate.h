@@ -1,16 +1,24 @@
 #pragma once
-/// The configuration that `ninedot apply` is given.
+/// What `ninedot apply` is given: a configuration, or a camera's calibration.
+#include <cstdint>
 #include <string>
 
 namespace ninedot {
+
+enum class CandidateKind : std::uint8_t { kConfiguration, kCalibration };
+
+struct Candidate {
+  CandidateKind kind = CandidateKind::kConfiguration;
+  std::string text;
+};
 
 /// The whole of `path`, or of standard input where that is "-".
 /// Throws StartupError(kWrongUsage): it can't be read, is empty, or is longer than kMaxApplied_bytes.
 std::string read_candidate(const std::string& path);
 
-/// What ninedot-web sends over a connection that is our standard input: a line "apply BYTES", then so many bytes. One
-/// that breaks off is known by that, where the end of a pipe would be taken for the text's.
+/// What ninedot-web sends over a connection that is our standard input: a line "apply BYTES", or "calibration BYTES",
+/// then so many bytes. One that breaks off is known by that, where the end of a pipe would be taken for the text's.
 /// Throws StartupError(kWrongUsage): it is none, breaks off, is too long, or took longer than ten seconds.
-std::string read_request(int descriptor);
+Candidate read_request(int descriptor);
 
 }  // namespace ninedot

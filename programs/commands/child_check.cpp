@@ -41,17 +41,18 @@ void take_rights_of(const passwd& user) {
     throw StartupError(ExitStatus::kWorkFailed, fmt::format("{}: {}", user.pw_name, std::strerror(errno)));
 }
 
-std::string lines_of(std::string_view text, const std::string& name, const std::string& path, CheckDepth depth) {
+std::string lines_of(const ConfigToCheck& subject, CheckDepth depth) {
   ConfigProblems problems;
-  const Config config = read_config(text, name, path, problems);
+  Config config = read_config(subject.text, subject.name, subject.path, problems);
+  if (!subject.calibration.empty()) config.camera.calibration = subject.calibration;
   std::string lines;
   const auto add = [&](char kind, const std::string& line) { lines += kind + one_line(line) + '\n'; };
   if (depth == CheckDepth::kEverything) {
     ConfigFindings findings(problems);
     std::optional<CameraModel> camera;
     check_as_the_service(config, problems, findings, camera);
-    for (const std::string& line : problem_lines(findings, name)) add(kRefused, line);
-    for (const std::string& line : note_lines(findings, name)) add(kNote, line);
+    for (const std::string& line : problem_lines(findings, subject.name)) add(kRefused, line);
+    for (const std::string& line : note_lines(findings, subject.name)) add(kNote, line);
   }
   if (config.modbus_tcp.enabled) {
     add(kHost, host_from_here(config.modbus_tcp.listen));
@@ -62,15 +63,14 @@ std::string lines_of(std::string_view text, const std::string& name, const std::
 }
 
 /// In the child; says why where it can't. Does not come back.
-[[noreturn]] void run_child(int answer, const passwd* user, std::string_view text, const std::string& name,
-                            const std::string& path, CheckDepth depth) {
+[[noreturn]] void run_child(int answer, const passwd* user, const ConfigToCheck& subject, CheckDepth depth) {
   ::alarm(kPatience_s);
   std::string lines;
   try {
     if (user != nullptr) take_rights_of(*user);
-    lines = lines_of(text, name, path, depth);
+    lines = lines_of(subject, depth);
   } catch (const std::exception& error) {
-    lines = kRefused + one_line(fmt::format("{}: {}", name, error.what())) + "\n.\n";
+    lines = kRefused + one_line(fmt::format("{}: {}", subject.name, error.what())) + "\n.\n";
   }
   const auto bytes = std::span(reinterpret_cast<const std::uint8_t*>(lines.data()), lines.size());
   ::_exit(write_all(answer, bytes, write_to_disk) ? 0 : 1);
@@ -112,8 +112,7 @@ CheckedConfig parsed(std::string_view lines) {
 
 }  // namespace
 
-CheckedConfig check_in_child(std::string_view text, const std::string& name, const std::string& path,
-                             const std::string& user, CheckDepth depth) {
+CheckedConfig check_in_child(const ConfigToCheck& subject, const std::string& user, CheckDepth depth) {
   const passwd* const entry = user.empty() ? nullptr : ::getpwnam(user.c_str());
   if (!user.empty() && entry == nullptr)
     throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}: there is no such user to check as", user));
@@ -125,7 +124,7 @@ CheckedConfig check_in_child(std::string_view text, const std::string& name, con
   const pid_t child = ::fork();
   if (child < 0)
     throw StartupError(ExitStatus::kWorkFailed, fmt::format("no process can be made: {}", std::strerror(errno)));
-  if (child == 0) run_child(told.get(), entry, text, name, path, depth);
+  if (child == 0) run_child(told.get(), entry, subject, depth);
   told = FileDescriptor();
   const std::string lines = all_of(answer.get());
   // One that still talks, or hangs, has been heard enough.

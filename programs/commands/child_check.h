@@ -20,11 +20,16 @@ enum class CheckDepth : std::uint8_t {
   kEndpointOnly,  ///< host and port
 };
 
-/// \param text  at most kMaxApplied_bytes \param name  how its lines call it \param path  the file that it is to become
+struct ConfigToCheck {
+  std::string_view text;    ///< at most kMaxApplied_bytes; lifetime: until it is checked
+  std::string name;         ///< how its lines call it
+  std::string path;         ///< the file that it is to become
+  std::string calibration;  ///< a file that is looked at in the place of the camera's; empty: the one that it names
+};
+
 /// \param user  whose rights it has; empty: the caller's
 /// Throws StartupError: kWrongUsage, no such user; kWorkFailed, the check did not come to its end within a minute.
 /// Memory: 1 MB of lines at most. Threads: call it while there is one only.
-CheckedConfig check_in_child(std::string_view text, const std::string& name, const std::string& path,
-                             const std::string& user, CheckDepth depth);
+CheckedConfig check_in_child(const ConfigToCheck& subject, const std::string& user, CheckDepth depth);
 
 }  // namespace ninedot

@@ -34,7 +34,7 @@ std::string real_file(const std::string& path) {
   const fs::path real = fs::canonical(path, error);
   if (error)
     throw StartupError(ExitStatus::kWrongUsage,
-                       fmt::format("{}: there is no configuration to replace: {}", path, error.message()));
+                       fmt::format("{}: there is no file to replace: {}", path, error.message()));
   if (!fs::is_regular_file(real, error))
     throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}: is no file that could be replaced", path));
   return real.string();
@@ -42,14 +42,16 @@ std::string real_file(const std::string& path) {
 
 }  // namespace
 
-ConfigChange::ConfigChange(const std::string& path, WriteFunction write_bytes)
-    : path_(real_file(path)),
-      write_bytes_(write_bytes),
-      folder_(::open(fs::path(path_).parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-  if (!folder_) fail_work(path_, fmt::format("its folder can't be opened: {}", std::strerror(errno)));
+ApplyLock::ApplyLock(const std::string& config_path)
+    : folder_(::open(fs::path(real_file(config_path)).parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (!folder_) fail_work(config_path, fmt::format("its folder can't be opened: {}", std::strerror(errno)));
   if (::flock(folder_.get(), LOCK_EX | LOCK_NB) != 0)
-    fail_work(path_, errno == EWOULDBLOCK ? "another apply is under way: wait for its end"
-                                          : fmt::format("its folder can't be locked: {}", std::strerror(errno)));
+    fail_work(config_path, errno == EWOULDBLOCK ? "another apply is under way: wait for its end"
+                                                : fmt::format("its folder can't be locked: {}", std::strerror(errno)));
+}
+
+ConfigChange::ConfigChange(const std::string& path, WriteFunction write_bytes)
+    : path_(real_file(path)), write_bytes_(write_bytes) {
   text_ = read_text_file(path_, kMaxApplied_bytes);
   was_cut_short_ = fs::is_regular_file(last_good_path());
   last_good_ = was_cut_short_ ? read_text_file(last_good_path(), kMaxApplied_bytes) : text_;

@@ -1,7 +1,8 @@
 #pragma once
-/// A configuration that is replaced on trial: the one that ran is kept until the new one is known to run.
+/// A file that the service reads, replaced on trial: the one that it ran with is kept until the new one is known to
+/// run.
 ///
-///     FILE             what the service reads: whole at every moment, the old or the new one
+///     FILE             configuration, or calibration of the camera: whole at every moment, the old or the new one
 ///     FILE.last-good   while a trial lasts: the old one; there afterwards: a trial was cut short
 ///     FILE.before      after a trial that went well: what FILE was before it
 #include <string>
@@ -12,18 +13,31 @@
 
 namespace ninedot {
 
-/// Longest configuration that is applied: ten times that of a hall of landmarks, 256 kB.
+/// Longest file that is applied: ten times the configuration of a hall of landmarks, 256 kB.
 inline constexpr std::size_t kMaxApplied_bytes = std::size_t{256} * 1024;
 
-/// One at a time on a machine, whoever starts it: a lock on the folder, which ends with the process.
-/// All of it throws StartupError with one line: kWrongUsage, FILE is none that can be replaced; kWorkFailed, another
-/// one is under way, the disk is full, the folder can't be written. What was there then still is.
+/// One apply at a time on a machine, whoever starts it: a lock on the configuration's folder, which ends with the
+/// process. Threads: one.
+class ApplyLock {
+ public:
+  /// Throws StartupError: kWrongUsage, there is no such configuration; kWorkFailed, another apply is under way.
+  explicit ApplyLock(const std::string& config_path);
+
+ private:
+  FileDescriptor folder_;
+};
+
+/// Whoever has one has the ApplyLock as well.
+/// All of it throws StartupError with one line: kWrongUsage, FILE is none that can be replaced; kWorkFailed, the disk
+/// is full, the folder can't be written. What was there then still is.
 /// Memory: the text twice. Threads: one; waits for the disk.
 class ConfigChange {
  public:
   /// \param path  may be a link: it stays one \param write_bytes  for tests of a full disk
   explicit ConfigChange(const std::string& path, WriteFunction write_bytes = write_to_disk);
 
+  /// FILE; no link.
+  const std::string& path() const noexcept { return path_; }
   /// Of FILE, as it was before `put`.
   const std::string& text() const noexcept { return text_; }
   /// What `put_back` brings: of FILE, or of FILE.last-good where a trial was cut short.
@@ -43,9 +57,8 @@ class ConfigChange {
  private:
   FileReplacement written_beside(const std::string& path, std::string_view text) const;
 
-  std::string path_;  // no link
+  std::string path_;
   WriteFunction write_bytes_;
-  FileDescriptor folder_;
   std::string text_, last_good_;
   bool was_cut_short_ = false;
 };

@@ -6,8 +6,8 @@ MHD_Result answer_calibration(MHD_Connection* connection, const RequestHead& hea
                               CalibrationDesk& desk) {
   constexpr const char* kNoSuch = "There is no such calibration.\n";
   if (head.method == "POST") {
-    const CalibrationReply reply = desk.reply_to(body);
-    return send_text(connection, reply.status, reply.text, reply.status == MHD_HTTP_OK ? kJsonText : kPlainText);
+    const DeskReply reply = desk.reply_to(body);
+    return send_text(connection, reply.status, reply.text, reply.status < 300 ? kJsonText : kPlainText);
   }
   if (head.path == kCalibratePath) return send_text(connection, MHD_HTTP_OK, desk.state_json(), kJsonText);
   const std::string file = desk.file_of(head.path.substr(kCalibratePath.size() + 1));

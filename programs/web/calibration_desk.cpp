@@ -16,7 +16,10 @@
 #include <vector>
 
 #include "base/json_text.h"
+#include "base/startup_error.h"
 #include "drivers/posix/child_program.h"
+#include "drivers/posix/text_file.h"
+#include "programs/web/access.h"
 #include "programs/web/recording_name.h"
 
 namespace ninedot {
@@ -27,6 +30,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kLook = 200ms;
 constexpr std::string_view kCalibration = "camera.yaml", kPicture = "camera.svg";
+constexpr std::string_view kUse = "use ";
 
 /// The oldest first.
 std::vector<fs::path> kept_in(const fs::path& folder) {
@@ -50,7 +54,7 @@ std::string_view state_of(std::string_view line) {
 CalibrationDeskOptions calibration_desk_options(const Config& config, const std::string& config_path,
                                                 const std::string& program, bool has_token) {
   CalibrationDeskOptions options{
-      {}, program, config_path, config.camera.calibration, config.web.recordings + "/calibrations"};
+      {}, program, config_path, config.camera.calibration, config.web.recordings + "/calibrations", has_token};
   if (config.web.recordings.empty())
     options.why_not =
         "There is no place for a calibration: set `recordings` of [web], to \"/var/lib/ninedot-web\" for instance.";
@@ -59,8 +63,9 @@ CalibrationDeskOptions calibration_desk_options(const Config& config, const std:
   return options;
 }
 
-CalibrationDesk::CalibrationDesk(CalibrationDeskOptions options, std::chrono::nanoseconds unheard)
-    : options_(std::move(options)), unheard_(unheard) {}
+CalibrationDesk::CalibrationDesk(CalibrationDeskOptions options, ApplyRequest& request,
+                                 std::chrono::nanoseconds unheard)
+    : options_(std::move(options)), request_(request), unheard_(unheard) {}
 
 CalibrationDesk::~CalibrationDesk() {
   {
@@ -70,15 +75,16 @@ CalibrationDesk::~CalibrationDesk() {
   if (thread_.joinable()) thread_.join();
 }
 
-CalibrationReply CalibrationDesk::reply_to(std::string_view text) {
+DeskReply CalibrationDesk::reply_to(std::string_view text) {
   if (!options_.why_not.empty()) return {403, options_.why_not + "\n"};
   if (text == "start camera") return start();
   if (text == "finish") return signal_child(SIGINT, Phase::kRunning);
   if (text == "cancel") return signal_child(SIGKILL, Phase::kCancelled);
-  return {400, "Say start camera, finish, or cancel.\n"};
+  if (text.starts_with(kUse)) return use(text.substr(kUse.size()));
+  return {400, "Say start camera, finish, cancel, or use and which one.\n"};
 }
 
-CalibrationReply CalibrationDesk::start() {
+DeskReply CalibrationDesk::start() {
   const std::lock_guard one(one_at_a_time_);
   {
     const std::lock_guard lock(mutex_);
@@ -118,13 +124,23 @@ CalibrationReply CalibrationDesk::start() {
   return {200, json()};
 }
 
-CalibrationReply CalibrationDesk::signal_child(int number, Phase phase) {
+DeskReply CalibrationDesk::signal_child(int number, Phase phase) {
   const std::lock_guard lock(mutex_);
   // One that is cancelled, or was given up, is about to end and nothing more.
   if (child_ <= 0 || phase_ != Phase::kRunning) return {409, "No calibration is under way.\n"};
   ::kill(child_, number);
   phase_ = phase;
   return {200, json()};
+}
+
+DeskReply CalibrationDesk::use(std::string_view name) {
+  const std::string file = file_of(fmt::format("{}/{}", name, kCalibration));
+  if (file.empty()) return {400, "There is no such calibration.\n"};
+  try {
+    return request_.begin("calibration", read_text_file(file, kMostLargeBody_bytes), options_.has_token);
+  } catch (const StartupError& error) {
+    return {409, std::string(error.what()) + "\n"};
+  }
 }
 
 std::string CalibrationDesk::state_json() {
@@ -137,10 +153,10 @@ std::string CalibrationDesk::state_json() {
 std::string CalibrationDesk::json() const {
   constexpr std::array<const char*, 5> kPhases{"idle", "running", "done", "failed", "cancelled"};
   return fmt::format(
-      R"({{"why_not":{},"calibration":{},"config":{},"folder":{},"phase":"{}","number":{},"name":"{}","why":{},"news":{}}})",
-      json_text(options_.why_not), json_text(options_.calibration), json_text(options_.config_path),
-      json_text(options_.folder), kPhases[static_cast<std::size_t>(phase_)], number_, name_, json_text(why_),
-      news_.empty() ? "null" : news_);
+      R"({{"why_not":{},"use":{},"calibration":{},"config":{},"folder":{},"phase":"{}","number":{},"name":"{}","why":{},"news":{}}})",
+      json_text(options_.why_not), json_text(request_.why_not(options_.has_token)), json_text(options_.calibration),
+      json_text(options_.config_path), json_text(options_.folder), kPhases[static_cast<std::size_t>(phase_)], number_,
+      name_, json_text(why_), news_.empty() ? "null" : news_);
 }
 
 std::string CalibrationDesk::file_of(std::string_view path) const {

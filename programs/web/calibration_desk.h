@@ -12,6 +12,7 @@
 #include "base/mono_time.h"
 #include "config/config.h"
 #include "drivers/posix/file_descriptor.h"
+#include "programs/web/apply_request.h"
 
 namespace ninedot {
 
@@ -21,16 +22,12 @@ struct CalibrationDeskOptions {
   std::string config_path;  ///< the service's
   std::string calibration;  ///< that it names; empty: none
   std::string folder;       ///< in which calibrations lie, each in a folder of its own
+  bool has_token = false;   ///< of the page
 };
 
 /// \param program  as above \param has_token  without one nothing is begun
 CalibrationDeskOptions calibration_desk_options(const Config& config, const std::string& config_path,
                                                 const std::string& program, bool has_token);
-
-struct CalibrationReply {
-  unsigned status = 200;  ///< HTTP: 400 not understood, 403 not permitted, 409 not now, 500 it could not be begun
-  std::string text;       ///< JSON with 200, else a line for people
-};
 
 /// A child ends with this object, when a page says so, and when no page has asked for the state for kUnheard.
 /// Memory: bounded: the child's newest line, and the one that it is saying. Threads: any; a start waits for the disk.
@@ -39,14 +36,17 @@ class CalibrationDesk {
   static constexpr std::size_t kMostLine_bytes = std::size_t{64} * 1024;
   static constexpr std::size_t kMostKept = 3;  ///< calibrations, with their views; the oldest go when one begins
 
-  /// \param unheard  a closed lid must not leave it running
-  explicit CalibrationDesk(CalibrationDeskOptions options, std::chrono::nanoseconds unheard = std::chrono::minutes(1));
+  /// \param request  must outlive this \param unheard  a closed lid must not leave it running
+  CalibrationDesk(CalibrationDeskOptions options, ApplyRequest& request,
+                  std::chrono::nanoseconds unheard = std::chrono::minutes(1));
   ~CalibrationDesk();
   CalibrationDesk(const CalibrationDesk&) = delete;
   CalibrationDesk& operator=(const CalibrationDesk&) = delete;
 
-  /// \param text  "start camera", "finish": go on with the views that there are, or "cancel"; not a character more
-  CalibrationReply reply_to(std::string_view text);
+  /// \param text  "start camera", "finish": go on with the views that there are, "cancel", or "use NAME": that one is
+  /// to take the place of the service's; not a character more
+  /// \return  its status also: 400 not understood, 409 not now, 500 it could not be begun
+  DeskReply reply_to(std::string_view text);
   /// What there is, for a page that is shown. \see docs/calibrating.md for the lines of the child in it
   std::string state_json();
   /// \param path  what follows /api/calibrate/ : NAME/camera.yaml or NAME/camera.svg, to the last character
@@ -56,14 +56,16 @@ class CalibrationDesk {
  private:
   enum class Phase : std::uint8_t { kIdle, kRunning, kDone, kFailed, kCancelled };
 
-  CalibrationReply start();
-  CalibrationReply signal_child(int number, Phase phase);
+  DeskReply start();
+  DeskReply signal_child(int number, Phase phase);
+  DeskReply use(std::string_view name);
   std::string json() const;
   void listen(FileDescriptor told);
   void hear(std::string line);
   void end();
 
   const CalibrationDeskOptions options_;
+  ApplyRequest& request_;
   const std::chrono::nanoseconds unheard_;
   std::mutex one_at_a_time_;  // of beginning
   std::thread thread_;

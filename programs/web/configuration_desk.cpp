@@ -1,16 +1,10 @@
 #include "programs/web/configuration_desk.h"
 
 #include <fmt/format.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -19,21 +13,12 @@
 #include "base/json_text.h"
 #include "base/startup_error.h"
 #include "config/config_reference.h"
-#include "drivers/posix/file_descriptor.h"
 #include "drivers/posix/text_file.h"
 #include "programs/assembly/config_findings.h"
 #include "programs/web/access.h"
 
 namespace ninedot {
 namespace {
-
-constexpr std::size_t kMostLine_bytes = 400;
-constexpr int kPatience_s = 240;     // a check, a trial and the way back: one minute, and twice 30 s, with room
-constexpr int kSendPatience_s = 10;  // as long as the other side waits for a request
-constexpr std::chrono::seconds kUntilHeard{3};
-constexpr const char* kHowToPermit =
-    "changes from the page are switched off on this machine. To permit them: systemctl enable --now "
-    "ninedot-apply.socket. Until then: save the text as a file, and `ninedot apply FILE --config ...` there";
 
 /// Which text it is. Not a secret: who wants to change it has the token.
 std::string tag_of(std::string_view text) {
@@ -42,31 +27,12 @@ std::string tag_of(std::string_view text) {
   return fmt::format("{:016x}", hash);
 }
 
-std::string_view word_of(ApplyEnd end) {
-  switch (end) {
-    case ApplyEnd::kNone:
-      return "none";
-    case ApplyEnd::kRunning:
-      return "running";
-    case ApplyEnd::kUp:
-      return "up";
-    case ApplyEnd::kUnchanged:
-      return "unchanged";
-    case ApplyEnd::kRefused:
-      return "refused";
-    case ApplyEnd::kBack:
-      return "back";
-    case ApplyEnd::kFailed:
-      break;
-  }
-  return "failed";
-}
-
 std::string problems_json(const std::vector<ConfigProblem>& problems) {
   std::string json = "[";
-  for (std::size_t i = 0; i < std::min(problems.size(), ConfigurationDesk::kMostLines); ++i)
-    json += fmt::format(R"({}{{"line":{},"what":{},"file":{}}})", i == 0 ? "" : ",", problems[i].line,
-                        json_text(problems[i].what.substr(0, kMostLine_bytes)), json_text(problems[i].file));
+  for (std::size_t i = 0; i < std::min(problems.size(), ApplyRequest::kMostLines); ++i)
+    json +=
+        fmt::format(R"({}{{"line":{},"what":{},"file":{}}})", i == 0 ? "" : ",", problems[i].line,
+                    json_text(problems[i].what.substr(0, ApplyRequest::kMostLine_bytes)), json_text(problems[i].file));
   return json + "]";
 }
 
@@ -79,42 +45,7 @@ std::string text_json(const std::string& path) {
   }
 }
 
-/// \return  errno
-int connect_to(int descriptor, const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path) return ENAMETOOLONG;
-  std::copy(path.begin(), path.end(), address.sun_path);
-  return ::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ? 0 : errno;
-}
-
-bool send_all(int descriptor, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = ::send(descriptor, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return false;
-    bytes.remove_prefix(static_cast<std::size_t>(count));
-  }
-  return true;
-}
-
 }  // namespace
-
-ConfigurationDesk::~ConfigurationDesk() {
-  {
-    const std::lock_guard lock(mutex_);
-    is_ending_ = true;
-    if (socket_ >= 0) ::shutdown(socket_, SHUT_RDWR);
-  }
-  if (thread_.joinable()) thread_.join();
-}
-
-std::string ConfigurationDesk::why_not(bool has_token) const {
-  if (!has_token) return "without a token nothing can be changed: set `token_file` of [web]";
-  struct stat status {};
-  const bool is_there = ::stat(socket_path_.c_str(), &status) == 0 && S_ISSOCK(status.st_mode);
-  return is_there ? "" : kHowToPermit;
-}
 
 std::string ConfigurationDesk::file_json(bool has_token) const {
   std::string text, problem;
@@ -132,15 +63,7 @@ std::string ConfigurationDesk::file_json(bool has_token) const {
       R"({{"path":{},"text":{},"problem":{},"tag":"{}","changed_s":{},"before":{},"why_not":{},"apply":{}}})",
       json_text(config_path_), json_text(text), json_text(problem), tag_of(text),
       has_status ? std::chrono::duration_cast<std::chrono::seconds>(age).count() : 0,
-      text_json(real.string() + ".before"), json_text(why_not(has_token)), apply_json());
-}
-
-std::string ConfigurationDesk::apply_json() const {
-  const std::lock_guard lock(mutex_);
-  std::string lines;
-  for (const std::string& line : lines_) lines += fmt::format("{}{}", lines.empty() ? "" : ",", json_text(line));
-  return fmt::format(R"({{"number":{},"state":"{}","phase":{},"lines":[{}]}})", number_, word_of(end_),
-                     json_text(phase_), lines);
+      text_json(real.string() + ".before"), json_text(request_.why_not(has_token)), request_.json());
 }
 
 std::string ConfigurationDesk::check_json(std::string_view text) const {
@@ -150,85 +73,14 @@ std::string ConfigurationDesk::check_json(std::string_view text) const {
 }
 
 DeskReply ConfigurationDesk::apply(std::string_view text, std::string_view tag, bool has_token) {
-  const std::lock_guard one(one_at_a_time_);
-  if (const std::string reason = why_not(has_token); !reason.empty()) return {403, reason + "\n"};
-  {
-    const std::lock_guard lock(mutex_);
-    if (end_ == ApplyEnd::kRunning) return {409, "another apply is under way: wait for its end\n"};
-  }
+  if (const std::string reason = request_.why_not(has_token); !reason.empty()) return {403, reason + "\n"};
   try {
     if (tag_of(read_text_file(config_path_, kMostLargeBody_bytes)) != tag)
       return {412, "the file has been changed since this page read it: load it again\n"};
   } catch (const StartupError& error) {
     return {409, std::string(error.what()) + "\n"};
   }
-  if (thread_.joinable()) thread_.join();
-  {
-    const std::lock_guard lock(mutex_);
-    end_ = ApplyEnd::kRunning;
-    phase_ = "sending";
-    lines_.clear();
-    ++number_;
-  }
-  thread_ = std::thread([this, own = std::string(text)] { hand_over(own); });
-  return {202, apply_json()};
-}
-
-void ConfigurationDesk::hand_over(const std::string& text) {
-  const FileDescriptor descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  const timeval patience{kPatience_s, 0}, sending{kSendPatience_s, 0};
-  ::setsockopt(descriptor.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  ::setsockopt(descriptor.get(), SOL_SOCKET, SO_SNDTIMEO, &sending, sizeof sending);
-  const int error = connect_to(descriptor.get(), socket_path_);
-  {
-    // Shut down by whoever ends, if it is told of in time: one that is not connected yet can't be.
-    const std::lock_guard lock(mutex_);
-    if (is_ending_) return;
-    socket_ = descriptor.get();
-  }
-  if (error == 0 && send_all(descriptor.get(), fmt::format("apply {}\n", text.size()))) {
-    static_cast<void>(send_all(descriptor.get(), text));  // one that reads no further has said why
-    std::string line;
-    std::array<char, 1024> part{};
-    ssize_t count = 0;
-    while ((count = ::recv(descriptor.get(), part.data(), part.size(), 0)) > 0 || (count < 0 && errno == EINTR)) {
-      for (const char c : std::string_view(part.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0)))) {
-        if (c != '\n' && line.size() < kMostLine_bytes) line += c;
-        if (c == '\n') hear(std::exchange(line, {}));
-      }
-    }
-  }
-  const std::lock_guard lock(mutex_);
-  socket_ = -1;
-  changed_at_ = mono_now();
-  has_new_file_ = end_ == ApplyEnd::kUp;
-  if (end_ != ApplyEnd::kRunning) return;
-  end_ = ApplyEnd::kFailed;
-  lines_.push_back(error != 0
-                       ? fmt::format("{}: {}", socket_path_, std::strerror(error))
-                       : "it ended before it said how: `journalctl -u 'ninedot-apply@*'` on the sensor says more");
-}
-
-/// "PHASE: words", as `ninedot apply` prints them.
-void ConfigurationDesk::hear(std::string_view line) {
-  constexpr std::array<std::pair<std::string_view, ApplyEnd>, 5> kEnds{{{"up", ApplyEnd::kUp},
-                                                                        {"unchanged", ApplyEnd::kUnchanged},
-                                                                        {"refused", ApplyEnd::kRefused},
-                                                                        {"back", ApplyEnd::kBack},
-                                                                        {"failed", ApplyEnd::kFailed}}};
-  const std::size_t colon = std::min(line.find(": "), line.size());
-  const std::lock_guard lock(mutex_);
-  phase_ = line.substr(0, colon);
-  for (const auto& [word, end] : kEnds)
-    if (phase_ == word) end_ = end;
-  if (lines_.size() < kMostLines) lines_.emplace_back(line);
-}
-
-bool ConfigurationDesk::takes_new_file(MonoTime now) {
-  const std::lock_guard lock(mutex_);
-  if (!has_new_file_ || now - changed_at_ <= kUntilHeard) return false;
-  has_new_file_ = false;
-  return true;
+  return request_.begin("apply", std::string(text), has_token);
 }
 
 std::string configuration_keys_json() {

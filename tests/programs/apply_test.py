@@ -9,7 +9,7 @@ import tempfile
 import time
 import unittest
 
-from service_harness import BIN, PATIENCE_S, Client, Service, config_text, free_port, run
+from service_harness import APPROACH, BIN, PATIENCE_S, Client, Service, config_text, free_port, run
 
 # As systemctl with Type=notify: it returns when the service answers, or fails with its last words.
 RESTART = """#!/bin/bash
@@ -274,6 +274,70 @@ class Apply(unittest.TestCase):
         self.assertEqual(status, 2)
         self.assertIn("within 10 s", answer)
         self.assertLess(time.monotonic() - started, 20)
+
+    LENS = (APPROACH / "camera.yaml").read_text()
+    BETTER = LENS.replace("720", "721")
+
+    def with_calibration(self):
+        """The service runs with a calibration that its configuration names."""
+        self.lens = self.folder / "lens.yaml"
+        self.lens.write_text(self.LENS)
+        self.old = self.old.replace("[camera]\n", '[camera]\ncalibration = "lens.yaml"\n', 1)
+        self.config.write_text(self.old)
+        subprocess.run([self.script], check=True)
+
+    def test_a_calibration_takes_the_place_of_the_one_that_is_named(self):
+        self.with_calibration()
+        self.new.write_text(self.BETTER)
+        done = self.apply(self.new, "--calibration")
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        self.assertEqual(self.lens.read_text(), self.BETTER)
+        self.assertEqual((self.folder / "lens.yaml.before").read_text(), self.LENS)
+        self.assertFalse((self.folder / "lens.yaml.new").exists())
+        self.assert_as_it_was(restarts=3)
+        self.assertIn("holds this already", self.apply(self.new, "--calibration").stdout)
+
+    def test_a_calibration_that_is_none_or_of_another_camera_is_refused(self):
+        self.with_calibration()
+        for text in ("no calibration\n", self.LENS.replace("640", "320").replace("480", "240"), "%YAML:1.0\n---\n"):
+            self.new.write_text(text)
+            done = self.apply(self.new, "--calibration")
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertIn("lens.yaml.new", done.stderr)
+            self.assertEqual(self.lens.read_text(), self.LENS)
+            self.assertFalse((self.folder / "lens.yaml.new").exists())
+            self.assert_as_it_was(restarts=2)
+
+    def test_a_first_calibration_is_named_as_well(self):
+        self.new.write_text(self.LENS)
+        done = self.apply(self.new, "--calibration")
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        self.assertEqual((self.folder / "camera.yaml").read_text(), self.LENS)
+        self.assertEqual(self.config.read_text(), self.old.replace("[camera]\n", '[camera]\ncalibration = "camera.yaml"\n', 1))
+        self.assertEqual((self.folder / "ninedot.toml.before").read_text(), self.old)
+        self.runs()
+
+    def test_a_first_calibration_that_does_not_come_up_leaves_nothing(self):
+        fails = self.folder / "fails.sh"
+        fails.write_text(f"#!/bin/bash\n{self.script}\nif grep -q calibration {self.config}; then kill $(cat {self.folder}/pid); echo the lens >&2; exit 1; fi\n")
+        fails.chmod(0o755)
+        self.new.write_text(self.LENS)
+        done = self.apply(self.new, "--calibration", restart=fails)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertRegex(done.stderr, "ninedot.toml: as it was before, and the service runs with it; .*the lens")
+        self.assertFalse((self.folder / "camera.yaml").exists())
+        self.assert_as_it_was(restarts=3)
+
+    def test_the_page_hands_over_a_calibration(self):
+        self.with_calibration()
+        status, answer = self.page(b"calibration 5\nwrong")
+        self.assertEqual(status, 2, answer)
+        self.assertRegex(answer.splitlines()[-1], r"^refused: .*lens\.yaml\.new")
+        better = self.BETTER.encode()
+        status, answer = self.page(b"calibration %d\n%s" % (len(better), better), close=False)
+        self.assertEqual(status, 0, answer)
+        self.assertRegex(answer.splitlines()[-1], r"^up: .*lens\.yaml\.before")
+        self.assertEqual(self.lens.read_bytes(), better)
 
     @unittest.skipIf(os.geteuid() != 0, "needs root, who alone can take other rights")
     def test_is_checked_with_the_rights_of_another(self):

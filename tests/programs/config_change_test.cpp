@@ -103,7 +103,7 @@ TEST_F(ConfigChangeTest, KnowsThatAnEarlierOneWasCutShortAndGoesBackToWhatRanBef
     change.put_back();
     EXPECT_EQ(text_of(file_), "old");
   }
-  EXPECT_FALSE(ConfigChange(file_).was_cut_short()) << "the lock went with the one before as well";
+  EXPECT_FALSE(ConfigChange(file_).was_cut_short());
 }
 
 TEST_F(ConfigChangeTest, LeavesEverythingAsItWasOnADiskThatIsFull) {
@@ -150,9 +150,12 @@ TEST_F(ConfigChangeTest, OfALinkReplacesWhatItLeadsTo) {
 }
 
 TEST_F(ConfigChangeTest, IsForOneAtATime) {
-  const ConfigChange change(file_);
-  const std::string line = refusal_of([&] { ConfigChange second(file_); }, ExitStatus::kWorkFailed);
-  EXPECT_NE(line.find("another apply is under way"), std::string::npos) << line;
+  {
+    const ApplyLock lock(file_);
+    const std::string line = refusal_of([&] { ApplyLock second(file_); }, ExitStatus::kWorkFailed);
+    EXPECT_NE(line.find("another apply is under way"), std::string::npos) << line;
+  }
+  const ApplyLock again(file_);
 }
 
 TEST_F(ConfigChangeTest, RefusesWhatIsNoFile) {
@@ -172,16 +175,19 @@ std::string request(std::string_view bytes) {
   EXPECT_EQ(::write(ends[1], bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   ::close(ends[1]);
   const FileDescriptor input(ends[0]);
-  return read_request(input.get());
+  const Candidate candidate = read_request(input.get());
+  return (candidate.kind == CandidateKind::kCalibration ? "calibration: " : "") + candidate.text;
 }
 
 TEST_F(ConfigChangeTest, TakesARequestThatIsWholeAndNoOther) {
   EXPECT_EQ(request("apply 3\nnew"), "new");
+  EXPECT_EQ(request("calibration 3\nnew"), "calibration: new");
   const std::string most(kMaxApplied_bytes, '#');
   EXPECT_EQ(request("apply 262144\n" + most), most);
   for (const std::string bytes :
        {"", "\n", "apply", "apply \n", "apply 0\n", "apply 4\nnew", "apply 2\nnew", "apply -3\nnew", "apply 3 \nnew",
-        "apply 262145\n", "apply 99999999999999999999999\nnew", "APPLY 3\nnew", "GET / HTTP/1.1\r\n\r\n"})
+        "apply 262145\n", "calibration 4\nnew", "calibration 262145\n", "calibration\nnew", "use 3\nnew",
+        "apply 99999999999999999999999\nnew", "APPLY 3\nnew", "GET / HTTP/1.1\r\n\r\n"})
     EXPECT_FALSE(refusal_of([&] { request(bytes); }, ExitStatus::kWrongUsage).empty()) << bytes;
   refusal_of([&] { request(std::string(100000, 'x')); }, ExitStatus::kWrongUsage);
 }

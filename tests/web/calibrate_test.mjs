@@ -5,23 +5,24 @@ import path from "node:path";
 import { after, afterEach, before, test } from "node:test";
 
 import { HEIGHT, WIDTH, movingSheet } from "./moving_sheet.mjs";
+import { ConfigurationStage, TOKEN } from "./configuration_stage.mjs";
 import { PICTURES, Stage, browser, get, openPage, pause, until } from "./stage.mjs";
 
-const TOKEN = "0123456789abcdef0123456789abcdef";
 const SCENE = movingSheet();
 const authorised = { Authorization: `Bearer ${TOKEN}` };
-let folder, stage, chrome;
+let folder, own, stage, chrome;
 
 before(async () => {
   fs.mkdirSync(PICTURES, { recursive: true });
   folder = fs.mkdtempSync("/dev/shm/ninedot-calibrate-");
   fs.writeFileSync(path.join(folder, "token"), `${TOKEN}\n`, { mode: 0o600 });
-  stage = await Stage.open({ camera: SCENE.camera, extra: SCENE.simulation, web: `token_file = "${folder}/token"\nrecordings = "${folder}/recordings"` });
+  own = await ConfigurationStage.open({ camera: SCENE.camera, extra: SCENE.simulation, web: `recordings = "${folder}/recordings"`, permitted: false });
+  stage = own.stage;
   chrome = await browser();
 });
 after(async () => {
   await chrome?.close();
-  if (stage) assert.deepEqual(await stage.close(), [0, 0], "both ended as they were asked to");
+  if (own) assert.deepEqual(await own.close(), [0, 0], "both ended as they were asked to");
   fs.rmSync(folder, { recursive: true });
 });
 afterEach(async () => {
@@ -38,6 +39,10 @@ const open = async (options = {}) => {
   await opened.page.evaluate(() => { location.hash = "calibrate"; });
   return opened;
 };
+const live = () => until("a frame comes", async () => {
+  const message = await stage.live("calibratetest", authorised);
+  return message.frame && message;
+});
 const calibrations = () => fs.readdirSync(path.join(folder, "recordings/calibrations"));
 // Children of ninedot-web, by the kernel's own list.
 const children = () => fs.readFileSync(`/proc/${stage.web.pid}/task/${stage.web.pid}/children`, "utf8").trim().split(" ").filter(Boolean).length
@@ -62,10 +67,72 @@ for (const [theme, size] of [["light", "desktop"], ["dark", "desktop"], ["light"
     assert.deepEqual(calibrations(), [], "a cancelled one leaves nothing");
   });
 
+test("who may not begins nothing, and paths lead nowhere else", async () => {
+  for (const [why, answer, status] of [
+    ["no token", await post("start camera", { token: null }), 401],
+    ["a foreign page", await post("start camera", { headers: { Origin: "http://elsewhere.example" } }), 403],
+    ["a foreign site", await post("start camera", { headers: { "Sec-Fetch-Site": "cross-site" } }), 403],
+    ["nothing of ours", await post("start camera; reboot"), 400],
+    ["too long", await post("x".repeat(129)), 413],
+    ["nothing to cancel", await post("cancel"), 409],
+    ["nothing to finish", await post("finish"), 409],
+  ]) assert.equal(answer.status, status, why);
+  assert.equal((await get(stage.port, "/api/calibrate", { method: "PUT", headers: authorised })).status, 405);
+  for (const target of ["20261123-121415/../../../token", "../token", "%2e%2e/token", "20261123-121415/camera.yaml%00", "20261123-121415/", "x/camera.svg", "20261123-121415/camera-views/camera.yaml", ""])
+    assert.equal((await get(stage.port, `/api/calibrate/${target}`, { headers: authorised })).status, 404, target);
+  assert.equal(children(), 0);
+});
+
+test("two who press at once begin one", async () => {
+  const answers = await Promise.all(Array.from({ length: 6 }, () => post("start camera")));
+  assert.deepEqual(answers.map(({ status }) => status).sort(), [200, 409, 409, 409, 409, 409]);
+  assert.equal(children(), 1);
+});
+
+test("a killed page's process takes the wizard along", async () => {
+  const other = await Stage.open({ camera: SCENE.camera, extra: SCENE.simulation, web: `token_file = "${folder}/token"\nrecordings = "${folder}/other"` });
+  assert.equal((await post("start camera", { port: other.port })).status, 200);
+  const child = await until("it runs", async () => fs.readdirSync("/proc").find((pid) => /^\d+$/.test(pid) && fs.readFileSync(`/proc/${pid}/cmdline`, "utf8").includes(`${folder}/other/calibrations`)));
+  other.web.kill("SIGKILL");
+  await until("it is gone", async () => !fs.existsSync(`/proc/${child}`) || /^State:\tZ/m.test(fs.readFileSync(`/proc/${child}/status`, "utf8")));
+  await other.close();
+});
+
+test("without a folder the view says what to set", async () => {
+  const other = await Stage.open({ camera: SCENE.camera, extra: SCENE.simulation, web: `token_file = "${folder}/token"` });
+  const { page, close } = await open({ on: other });
+  await page.waitForFunction(() => /set `recordings` of \[web\]/.test(document.querySelector("#calibrate-state").textContent));
+  assert.ok(await page.locator("#calibrate-start").isDisabled());
+  assert.equal((await post("start camera", { port: other.port })).status, 403);
+  await close();
+  await other.close();
+});
+
+// The service gets the new calibration, and its configuration names it.
+async function useIt(name, yaml) {
+  const config = own.file();
+  await own.permit();
+  const { page, close } = await open();
+  await page.click("#calibrate-use");
+  await page.click("#sure");
+  await page.waitForFunction(() => /^(up|back|refused|failed)$/.test(document.querySelector("#calibrate-applying").dataset.state), null, { timeout: 60000 });
+  assert.equal(await page.locator("#calibrate-applying").getAttribute("data-state"), "up", await page.locator("#calibrate-applying").textContent());
+  assert.equal(own.file(), config.replace("[camera]\n", '[camera]\ncalibration = "camera.yaml"\n'));
+  assert.equal(fs.readFileSync(path.join(stage.folder, "camera.yaml"), "utf8"), yaml);
+  await page.evaluate(() => window.scrollTo(0, 0));
+  await page.screenshot({ path: path.join(PICTURES, "calibrate-used.png"), fullPage: true });
+  await own.runs();
+  await close();
+  assert.equal((await post(`use ${name}`)).status, 202, "the same again");
+  const again = await own.ended();
+  assert.equal(again.state, "unchanged", JSON.stringify(again));
+  assert.equal((await post("use 20200101-000000")).status, 409);
+}
+
 test("the whole way: coverage grows, each view is asked for, and what comes of it is the camera's lens", async (t) => {
   const { page, close } = await open();
   await page.waitForFunction(() => !document.querySelector("#calibrate-start").disabled);
-  const before = await stage.live("calibratetest", authorised);
+  const before = await live();
   await page.keyboard.press("3");
   await page.locator("#calibrate-start").focus();
   await page.keyboard.press("Enter");
@@ -96,7 +163,8 @@ test("the whole way: coverage grows, each view is asked for, and what comes of i
   t.diagnostic(`${end.news.views} views: focal length ${end.news.focal_px[0]} px of 720, directions to ${end.news.directions_px} px`);
   assert.ok(Math.abs(end.news.focal_px[0] - 720) < 0.7, `a tenth of a percent: ${end.news.focal_px[0]}`);
   await page.waitForFunction(() => document.querySelector("#calibrate-drawing")?.naturalWidth > 100);
-  assert.match(await page.locator("#calibrate-commands").textContent(), new RegExp(`install -b -m 644 .*/calibrations/${end.name}/camera.yaml /etc/ninedot/camera.yaml`));
+  assert.equal(await page.locator("#calibrate-commands").textContent(), `ninedot apply --calibration ${folder}/recordings/calibrations/${end.name}/camera.yaml --config ${stage.config}`);
+  assert.equal(await page.locator("#calibrate-use").count(), 0, "nobody has permitted it");
   const [download] = await Promise.all([page.waitForEvent("download"), page.click("#calibrate-download")]);
   const yaml = fs.readFileSync(await download.path(), "utf8");
   assert.equal(yaml, fs.readFileSync(path.join(folder, "recordings/calibrations", end.name, "camera.yaml"), "utf8"));
@@ -109,48 +177,8 @@ test("the whole way: coverage grows, each view is asked for, and what comes of i
   const svg = await get(stage.port, `/api/calibrate/${end.name}/camera.svg`, { headers: authorised });
   assert.equal(svg.headers["content-type"], "image/svg+xml");
   assert.match(svg.headers["content-security-policy"], /default-src 'none'/);
-  const later = await stage.live("calibratetest", authorised);
+  const later = await live();
   assert.ok(later.frame.number > before.frame.number, "the service went on meanwhile");
   await close();
-});
-
-test("who may not begins nothing, and paths lead nowhere else", async () => {
-  for (const [why, answer, status] of [
-    ["no token", await post("start camera", { token: null }), 401],
-    ["a foreign page", await post("start camera", { headers: { Origin: "http://elsewhere.example" } }), 403],
-    ["a foreign site", await post("start camera", { headers: { "Sec-Fetch-Site": "cross-site" } }), 403],
-    ["nothing of ours", await post("start camera; reboot"), 400],
-    ["too long", await post("x".repeat(129)), 413],
-    ["nothing to cancel", await post("cancel"), 409],
-    ["nothing to finish", await post("finish"), 409],
-  ]) assert.equal(answer.status, status, why);
-  assert.equal((await get(stage.port, "/api/calibrate", { method: "PUT", headers: authorised })).status, 405);
-  for (const target of ["20261123-121415/../../../token", "../token", "%2e%2e/token", "20261123-121415/camera.yaml%00", "20261123-121415/", "x/camera.svg", "20261123-121415/camera-views/camera.yaml", ""])
-    assert.equal((await get(stage.port, `/api/calibrate/${target}`, { headers: authorised })).status, 404, target);
-  assert.equal(children(), 0);
-});
-
-test("two who press at once begin one", async () => {
-  const answers = await Promise.all(Array.from({ length: 6 }, () => post("start camera")));
-  assert.deepEqual(answers.map(({ status }) => status).sort(), [200, 409, 409, 409, 409, 409]);
-  assert.equal(children(), 1);
-});
-
-test("a killed page's process takes the wizard along", async () => {
-  const own = await Stage.open({ camera: SCENE.camera, extra: SCENE.simulation, web: `token_file = "${folder}/token"\nrecordings = "${folder}/other"` });
-  assert.equal((await post("start camera", { port: own.port })).status, 200);
-  const child = await until("it runs", async () => fs.readdirSync("/proc").find((pid) => /^\d+$/.test(pid) && fs.readFileSync(`/proc/${pid}/cmdline`, "utf8").includes(`${folder}/other/calibrations`)));
-  own.web.kill("SIGKILL");
-  await until("it is gone", async () => !fs.existsSync(`/proc/${child}`) || /^State:\tZ/m.test(fs.readFileSync(`/proc/${child}/status`, "utf8")));
-  await own.close();
-});
-
-test("without a folder the view says what to set", async () => {
-  const own = await Stage.open({ camera: SCENE.camera, extra: SCENE.simulation, web: `token_file = "${folder}/token"` });
-  const { page, close } = await open({ on: own });
-  await page.waitForFunction(() => /set `recordings` of \[web\]/.test(document.querySelector("#calibrate-state").textContent));
-  assert.ok(await page.locator("#calibrate-start").isDisabled());
-  assert.equal((await post("start camera", { port: own.port })).status, 403);
-  await close();
-  await own.close();
+  await useIt(end.name, yaml);
 });

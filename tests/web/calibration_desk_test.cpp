@@ -12,6 +12,8 @@
 #include <string>
 #include <thread>
 
+#include "tests/web/applier.h"
+
 namespace ninedot {
 namespace {
 
@@ -35,7 +37,7 @@ class CalibrationDeskTest : public testing::Test {
                            << "/words\n"
                            << work << "\n";
     fs::permissions(program, fs::perms::owner_all);
-    return {"", program.string(), "/etc/ninedot/ninedot.toml", "camera.yaml", (folder_ / "made").string()};
+    return {"", program.string(), "/etc/ninedot/ninedot.toml", "camera.yaml", (folder_ / "made").string(), true};
   }
 
   static std::string until(CalibrationDesk& desk, const std::string& words) {
@@ -67,15 +69,16 @@ class CalibrationDeskTest : public testing::Test {
   }
 
   fs::path folder_;
+  ApplyRequest request_{"/nonexistent/socket"};
 };
 
 constexpr const char* kGathers = R"(echo '{"state":"gathering","views":3}')";
 constexpr const char* kFinishes = R"(echo '{"state":"done","file":"x"}')";
 
 TEST_F(CalibrationDeskTest, SaysWhatTheChildSaysAndThatItIsDone) {
-  CalibrationDesk desk(options(std::string(kGathers) + "\nsleep 0.3\n" + kFinishes));
+  CalibrationDesk desk(options(std::string(kGathers) + "\nsleep 0.3\n" + kFinishes), request_);
   expect_part(desk.state_json(), R"("phase":"idle","number":0,"name":"","why":"","news":null)");
-  const CalibrationReply reply = desk.reply_to("start camera");
+  const DeskReply reply = desk.reply_to("start camera");
   EXPECT_EQ(reply.status, 200U) << reply.text;
   expect_part(reply.text, R"("phase":"running","number":1)");
   expect_part(until(desk, "gathering"), R"("phase":"running","number":1)");
@@ -87,7 +90,7 @@ TEST_F(CalibrationDeskTest, SaysWhatTheChildSaysAndThatItIsDone) {
 }
 
 TEST_F(CalibrationDeskTest, HasOneChildAtATime) {
-  CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"));
+  CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"), request_);
   EXPECT_EQ(desk.reply_to("start camera").status, 200U);
   EXPECT_EQ(desk.reply_to("start camera").status, 409U);
   until(desk, "gathering");
@@ -96,7 +99,7 @@ TEST_F(CalibrationDeskTest, HasOneChildAtATime) {
 }
 
 TEST_F(CalibrationDeskTest, CancelsAndKeepsNothing) {
-  CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"));
+  CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"), request_);
   EXPECT_EQ(desk.reply_to("cancel").status, 409U) << "nothing is under way";
   EXPECT_EQ(desk.reply_to("finish").status, 409U);
   desk.reply_to("start camera");
@@ -110,7 +113,8 @@ TEST_F(CalibrationDeskTest, CancelsAndKeepsNothing) {
 
 TEST_F(CalibrationDeskTest, FinishesEarlyAsCtrlCDoes) {
   CalibrationDesk desk(options(std::string("trap '") + R"(echo "{\"state\":\"done\"}"; exit 0)" + "' INT\n" + kGathers +
-                               "\nwhile :; do sleep 0.05; done"));
+                               "\nwhile :; do sleep 0.05; done"),
+                       request_);
   desk.reply_to("start camera");
   until(desk, "gathering");
   EXPECT_EQ(desk.reply_to("finish").status, 200U);
@@ -118,7 +122,7 @@ TEST_F(CalibrationDeskTest, FinishesEarlyAsCtrlCDoes) {
 }
 
 TEST_F(CalibrationDeskTest, EndsTheChildThatNoPageAsksFor) {
-  CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"), 300ms);
+  CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"), request_, 300ms);
   desk.reply_to("start camera");
   until(desk, "gathering");
   std::this_thread::sleep_for(1s);
@@ -131,7 +135,7 @@ TEST_F(CalibrationDeskTest, EndsTheChildThatNoPageAsksFor) {
 TEST_F(CalibrationDeskTest, TakesTheChildAlongWhenItEnds) {
   const auto begun = std::chrono::steady_clock::now();
   {
-    CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"));
+    CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"), request_);
     desk.reply_to("start camera");
     until(desk, "gathering");
   }
@@ -140,21 +144,21 @@ TEST_F(CalibrationDeskTest, TakesTheChildAlongWhenItEnds) {
 }
 
 TEST_F(CalibrationDeskTest, SaysWhyNothingCameOfIt) {
-  CalibrationDesk refused(options(R"(echo '{"state":"failed","why":"no tap"}'; exit 1)"));
+  CalibrationDesk refused(options(R"(echo '{"state":"failed","why":"no tap"}'; exit 1)"), request_);
   refused.reply_to("start camera");
   expect_part(until(refused, R"("phase":"failed")"), R"("why":"","news":{"state":"failed","why":"no tap"})");
-  CalibrationDesk silent(options("exit 3"));
+  CalibrationDesk silent(options("exit 3"), request_);
   std::this_thread::sleep_for(1100ms);  // names are seconds
   silent.reply_to("start camera");
   expect_part(until(silent, R"("phase":"failed")"), "ended with status 3");
-  CalibrationDesk killed(options("kill -9 $$"));
+  CalibrationDesk killed(options("kill -9 $$"), request_);
   std::this_thread::sleep_for(1100ms);
   killed.reply_to("start camera");
   expect_part(until(killed, R"("phase":"failed")"), "by signal 9");
   CalibrationDeskOptions absent = options("");
   absent.program = (folder_ / "none").string();
   std::this_thread::sleep_for(1100ms);
-  const CalibrationReply reply = CalibrationDesk(absent).reply_to("start camera");
+  const DeskReply reply = CalibrationDesk(absent, request_).reply_to("start camera");
   EXPECT_EQ(reply.status, 500U);
   expect_part(reply.text, "can't be started");
 }
@@ -162,7 +166,8 @@ TEST_F(CalibrationDeskTest, SaysWhyNothingCameOfIt) {
 TEST_F(CalibrationDeskTest, IsNotImpressedByWhatIsNoLineOfNews) {
   CalibrationDesk desk(options(std::string(kGathers) +
                                "\necho nonsense\necho '{\"state\":\"cut'\nhead -c 300000 /dev/zero | tr '\\0' x\necho "
-                               "'}'\nprintf '{\"state\":\"done\"'\n"));
+                               "'}'\nprintf '{\"state\":\"done\"'\n"),
+                       request_);
   desk.reply_to("start camera");
   expect_part(until(desk, R"("phase":"failed")"), R"("news":{"state":"gathering","views":3})");
 }
@@ -172,7 +177,7 @@ TEST_F(CalibrationDeskTest, KeepsTheNewestThree) {
   for (const char* name : {"20200101-000000", "20200101-000001", "20200101-000002", "20200101-000003"})
     fs::create_directories(folder_ / "made" / name / "camera-views");
   fs::create_directories(folder_ / "made/somebody-elses");
-  CalibrationDesk desk(how);
+  CalibrationDesk desk(how, request_);
   desk.reply_to("start camera");
   until(desk, R"("phase":"done")");
   EXPECT_FALSE(fs::exists(folder_ / "made/20200101-000001"));
@@ -182,7 +187,7 @@ TEST_F(CalibrationDeskTest, KeepsTheNewestThree) {
 }
 
 TEST_F(CalibrationDeskTest, KnowsItsOwnFilesAlone) {
-  const CalibrationDesk desk(options(""));
+  const CalibrationDesk desk(options(""), request_);
   EXPECT_EQ(desk.file_of("20261123-121415/camera.yaml"), (folder_ / "made/20261123-121415/camera.yaml").string());
   EXPECT_EQ(desk.file_of("20261123-121415/camera.svg"), (folder_ / "made/20261123-121415/camera.svg").string());
   for (const char* path :
@@ -193,14 +198,37 @@ TEST_F(CalibrationDeskTest, KnowsItsOwnFilesAlone) {
     EXPECT_EQ(desk.file_of(path), "") << path;
 }
 
-TEST_F(CalibrationDeskTest, UnderstandsThreeWordsAndNothingWhereItMayNot) {
+TEST_F(CalibrationDeskTest, HandsOverTheOneThatIsToBeUsed) {
+  const std::string socket = (folder_ / "socket").string();
+  ApplyRequest request(socket);
   CalibrationDeskOptions how = options(kFinishes);
-  CalibrationDesk desk(how);
+  CalibrationDesk desk(how, request);
+  fs::create_directories(folder_ / "made/20261123-121415");
+  std::ofstream(folder_ / "made/20261123-121415/camera.yaml") << "lens";
+  EXPECT_EQ(desk.reply_to("use 20261123-121415").status, 403U) << "nobody listens";
+  expect_part(desk.state_json(), "switched off");
+  test::Applier applier(socket, "up: it runs\n");
+  expect_part(desk.state_json(), R"("use":"",)");
+  for (const char* none : {"use ", "use 20261123-121415/", "use ../20261123-121415", "use 20261123-121415 "})
+    EXPECT_EQ(desk.reply_to(none).status, 400U) << none;
+  EXPECT_EQ(desk.reply_to("use 20261123-000000").status, 409U) << "is not there";
+  applier.serve(18);
+  EXPECT_EQ(desk.reply_to("use 20261123-121415").status, 202U);
+  EXPECT_EQ(applier.heard(), "calibration 4\nlens");
+  while (request.json().find("running") != std::string::npos) std::this_thread::sleep_for(2ms);
+  expect_part(request.json(), R"("state":"up")");
+  how.has_token = false;
+  EXPECT_EQ(CalibrationDesk(how, request).reply_to("use 20261123-121415").status, 403U);
+}
+
+TEST_F(CalibrationDeskTest, UnderstandsItsWordsAndNothingWhereItMayNot) {
+  CalibrationDeskOptions how = options(kFinishes);
+  CalibrationDesk desk(how, request_);
   for (const char* text :
        {"", "start", "start camera ", "start pan-tilt", "start camera --out /etc/passwd", "cancel\n"})
     EXPECT_EQ(desk.reply_to(text).status, 400U) << text;
   how.why_not = "no place";
-  CalibrationDesk closed(how);
+  CalibrationDesk closed(how, request_);
   EXPECT_EQ(closed.reply_to("start camera").status, 403U);
   expect_part(closed.state_json(), R"({"why_not":"no place",)");
   EXPECT_EQ(made(), 0U);

@@ -2,12 +2,8 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -17,48 +13,13 @@
 #include <utility>
 
 #include "config/config_reference.h"
-#include "drivers/posix/file_descriptor.h"
 #include "programs/web/large_body.h"
+#include "tests/web/applier.h"
 
 namespace ninedot {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The other end of the socket: hears one request, says what it is told to say, and closes.
-class Applier {
- public:
-  Applier(const std::string& path, std::string answer)
-      : listener_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)), answer_(std::move(answer)) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::copy(path.begin(), path.end(), address.sun_path);
-    EXPECT_EQ(::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-    EXPECT_EQ(::listen(listener_.get(), 4), 0);
-  }
-  void serve(std::size_t request_bytes) {
-    thread_ = std::thread([this, request_bytes] {
-      const FileDescriptor connection(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
-      std::array<char, 4096> part{};
-      while (heard_.size() < request_bytes) {
-        const ssize_t count = ::read(connection.get(), part.data(), part.size());
-        if (count <= 0) break;
-        heard_.append(part.data(), static_cast<std::size_t>(count));
-      }
-      EXPECT_EQ(::send(connection.get(), answer_.data(), answer_.size(), MSG_NOSIGNAL),
-                static_cast<ssize_t>(answer_.size()));
-    });
-  }
-  std::string heard() {
-    thread_.join();
-    return heard_;
-  }
-
- private:
-  FileDescriptor listener_;
-  std::string answer_, heard_;
-  std::thread thread_;
-};
 
 class ConfigurationDeskTest : public testing::Test {
  protected:
@@ -90,7 +51,8 @@ class ConfigurationDeskTest : public testing::Test {
 };
 
 TEST_F(ConfigurationDeskTest, ChecksByLineAsTheServiceWould) {
-  const ConfigurationDesk desk(file_, socket_);
+  ApplyRequest request(socket_);
+  const ConfigurationDesk desk(file_, request);
   const std::string wrong = desk.check_json("[camera]\nrate_hz = 0\n\"\\u0001\" = 1\n");
   EXPECT_TRUE(has(wrong, R"("line":2,"what":"'rate_hz' is 0; write)")) << wrong;
   EXPECT_TRUE(has(wrong, R"("count":2)")) << wrong;
@@ -110,25 +72,27 @@ TEST_F(ConfigurationDeskTest, HandsOverTheTextWithItsLengthAndTellsHowItEnded) {
         std::pair{"failed: disk\n", "failed"}, std::pair{"checking: and then it dies", "failed"},
         std::pair{"", "failed"}}) {
     fs::remove(socket_);
-    Applier applier(socket_, answer);
-    ConfigurationDesk desk(file_, socket_);
+    test::Applier applier(socket_, answer);
+    ApplyRequest request(socket_);
+    ConfigurationDesk desk(file_, request);
     applier.serve(11);
     const DeskReply reply = desk.apply("new", tag_in(desk.file_json(true)), true);
     EXPECT_EQ(reply.status, 202U) << reply.text;
     EXPECT_EQ(applier.heard(), "apply 3\nnew");
     const std::string json = ended(desk);
     EXPECT_TRUE(has(json, fmt::format(R"("state":"{}")", state))) << json;
-    EXPECT_FALSE(desk.takes_new_file(mono_now())) << "its page has not heard of it yet";
-    EXPECT_EQ(desk.takes_new_file(mono_now() + std::chrono::seconds(10)), std::string_view(state) == "up");
-    EXPECT_FALSE(desk.takes_new_file(mono_now() + std::chrono::seconds(10))) << "once";
+    EXPECT_FALSE(request.takes_new_file(mono_now())) << "its page has not heard of it yet";
+    EXPECT_EQ(request.takes_new_file(mono_now() + std::chrono::seconds(10)), std::string_view(state) == "up");
+    EXPECT_FALSE(request.takes_new_file(mono_now() + std::chrono::seconds(10))) << "once";
   }
 }
 
 TEST_F(ConfigurationDeskTest, AppliesNothingWhereItMayNotOrTheFileIsAnotherOne) {
-  ConfigurationDesk desk(file_, socket_);
+  ApplyRequest request(socket_);
+  ConfigurationDesk desk(file_, request);
   const std::string tag = tag_in(desk.file_json(true));
   EXPECT_EQ(desk.apply("new", tag, true).status, 403U) << "nobody listens";
-  const Applier applier(socket_, "");
+  const test::Applier applier(socket_, "");
   EXPECT_EQ(desk.apply("new", tag, false).status, 403U) << "no token";
   EXPECT_EQ(desk.apply("new", "0123456789abcdef", true).status, 412U);
   std::ofstream(file_) << "by hand";
@@ -137,10 +101,11 @@ TEST_F(ConfigurationDeskTest, AppliesNothingWhereItMayNotOrTheFileIsAnotherOne) 
 }
 
 TEST_F(ConfigurationDeskTest, BeginsOneAtATimeAndEndsWithoutWaitingForIt) {
-  const Applier applier(socket_, "");
+  const test::Applier applier(socket_, "");
   const auto started = std::chrono::steady_clock::now();
   {
-    ConfigurationDesk desk(file_, socket_);
+    ApplyRequest request(socket_);
+    ConfigurationDesk desk(file_, request);
     const std::string tag = tag_in(desk.file_json(true));
     EXPECT_EQ(desk.apply("new", tag, true).status, 202U);
     EXPECT_EQ(desk.apply("new", tag, true).status, 409U);
@@ -149,7 +114,8 @@ TEST_F(ConfigurationDeskTest, BeginsOneAtATimeAndEndsWithoutWaitingForIt) {
 }
 
 TEST_F(ConfigurationDeskTest, TellsTheOneBefore) {
-  const ConfigurationDesk desk(file_, socket_);
+  ApplyRequest request(socket_);
+  const ConfigurationDesk desk(file_, request);
   EXPECT_TRUE(has(desk.file_json(true), R"("before":null)"));
   std::ofstream(file_ + ".before") << "older";
   EXPECT_TRUE(has(desk.file_json(true), R"("text":"old","problem":"")"));

@@ -22,14 +22,14 @@ done
 `;
 
 export class ConfigurationStage {
-  // options: {token: false: none, permitted: false: nobody listens}
+  // options: {token: false: none, permitted: false: nobody listens, web: lines of [web], and those of Stage}
   static async open(options = {}) {
     const own = new ConfigurationStage();
     own.folder = fs.mkdtempSync("/dev/shm/ninedot-apply-");
     own.socket = path.join(own.folder, "socket");
     fs.writeFileSync(path.join(own.folder, "token"), `${TOKEN}\n`, { mode: 0o600 });
-    own.stage = await Stage.open({
-      web: options.token === false ? "" : `token_file = "${own.folder}/token"`,
+    own.stage = await Stage.open({ ...options,
+      web: `${options.token === false ? "" : `token_file = "${own.folder}/token"`}\n${options.web ?? ""}`,
       arguments: ["--apply-socket", own.socket],
     });
     own.script = path.join(own.stage.folder, "restart.sh");

@@ -1,5 +1,6 @@
 // The wizard of `ninedot calibrate camera`: how to hold the sheet next, drawn into the picture, what there is by now,
 // and what came of it.
+import { Applying } from "./applying.js";
 import { Asking } from "./asking.js";
 import { element, fixed, saveAs, setText, tellVerdict } from "./dom.js";
 import { authorised } from "./feed.js";
@@ -46,10 +47,11 @@ export class CalibrateView {
     this.lacks = element("ul.lacks", { id: "calibrate-lacks" });
     this.going = element("section", { hidden: true }, element("h2", {}, "Views in each part of the picture"), this.coverage, this.progress, this.wanted, this.lacks);
     this.result = element("section.card.result", { id: "calibrate-result", hidden: true });
+    this.applying = new Applying("calibrate-applying", { ended: () => this.asking.ask() });
     main.append(element("h1", {}, "Calibrate"), element("div.live", {},
       element("section.card.stage", {}, this.canvas, element("div.tools", {}, element("span.mark-ghost", {}, "hold it here"), element("span.mark-sheet", {}, "the sheet now"))),
       element("section.card.wizard", {}, this.verdict, this.looked, element("div.tools", {}, this.startButton, this.finishButton, this.cancelButton), this.note, this.going)),
-    this.result,
+    this.applying.card, this.result, this.applying.dialog,
     element("section.card.other", {}, element("h2", {}, "A pan/tilt head"),
       element("p", {}, "Its calibration moves the head by itself, with the service stopped: ", element("code", {}, "systemctl stop ninedotd"), ", then ",
         element("code", {}, "ninedot calibrate pan-tilt --config /etc/ninedot/ninedot.toml --out head.toml"), ". A head that follows the landmark keeps it in the picture's middle: take it in hand in Aim while the camera is calibrated.")));
@@ -59,6 +61,7 @@ export class CalibrateView {
 
   leave() {
     this.asking.end();
+    this.applying.end();
     this.picture?.close();
     if (this.url) URL.revokeObjectURL(this.url);
   }
@@ -122,7 +125,6 @@ export class CalibrateView {
     const { news } = state;
     const millimetres = (px) => fixed((1000 * px) / news.focal_px[0], 3);
     const fact = (title, value) => element("tr", {}, element("th", {}, title), element("td.n", {}, value));
-    const place = state.calibration || "/etc/ninedot/camera.yaml";
     const drawing = element("img", { id: "calibrate-drawing", alt: "where the sheet was seen, how far outlines are off, and the expected error of directions" });
     this.result.replaceChildren(
       element("h2", {}, `Calibration ${name}`),
@@ -133,14 +135,23 @@ export class CalibrateView {
       ...(news.wish ? [element("p.warn", {}, news.wish)] : []),
       element("div.tools", {}, element("button", { type: "button", id: "calibrate-download", onclick: () => this.download(name) }, "Download camera.yaml")),
       element("h2", {}, "Use this"),
-      element("p", {}, state.calibration ? "On the sensor, as root; the one before is kept beside it:" : "On the sensor, as root; and then, in the view Configuration, under [camera]:"),
-      element("pre.commands", { id: "calibrate-commands" }, `install -b -m 644 ${state.folder}/${name}/camera.yaml ${place}\n`
-        + (state.calibration ? `ninedot check --config ${state.config} && systemctl restart ninedotd` : `# [camera]\n# calibration = "camera.yaml"`)));
+      ...this.placing(state, name));
     const response = await authorised(`${PATH}/${name}/camera.svg`).catch(() => null);
     if (!response?.ok || !this.asking.isAlive || this.shownResult !== name) return;
     if (this.url) URL.revokeObjectURL(this.url);
     this.url = URL.createObjectURL(await response.blob());
     drawing.src = this.url;
+  }
+
+  // By a button where changes from here are permitted, else by a command that does the same.
+  placing({ use, calibration, folder, config }, name) {
+    const where = element("p", {}, calibration ? `In the place of ${calibration}, which is kept beside it.` : `As camera.yaml beside ${config}, with a line in that which names it.`);
+    if (!use) {
+      const post = () => authorised(PATH, { method: "POST", body: `use ${name}` });
+      return [where, element("div.tools", {}, element("button", { type: "button", id: "calibrate-use", onclick: () => this.applying.ask(`Use calibration ${name}?`, post) }, "Use this ..."))];
+    }
+    return [where, element("p.soft", {}, `Not from here: ${use}. On the sensor, as root:`),
+      element("pre.commands", { id: "calibrate-commands" }, `ninedot apply --calibration ${folder}/${name}/camera.yaml --config ${config}`)];
   }
 
   async download(name) {

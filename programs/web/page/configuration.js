@@ -1,5 +1,6 @@
 // The service's configuration: edited, checked while one types, compared with the file, and applied by whoever on the
 // sensor may do so. This page only asks for it.
+import { Applying } from "./applying.js";
 import { element, setText, tellVerdict } from "./dom.js";
 import { reader } from "./decode.js";
 import { counted, difference, shortened } from "./difference.js";
@@ -8,15 +9,7 @@ import { authorised } from "./feed.js";
 import { keyHelp, placeOf } from "./keyhelp.js";
 
 const CHECK_AFTER_MS = 350;
-const PROGRESS_MS = 400;
 const DRAFT = "configuration-draft";
-const ENDS = {
-  up: ["good", "In force: the service runs with it"],
-  unchanged: ["none", "Nothing to do: the file holds this already"],
-  refused: ["bad", "Refused, and nothing was changed"],
-  back: ["bad", "Taken back: the service runs as it did before"],
-  failed: ["bad", "This did not work"],
-};
 const lineCount = (count) => `${count} ${count === 1 ? "line" : "lines"}`;
 
 export class ConfigurationView {
@@ -32,27 +25,27 @@ export class ConfigurationView {
     this.note = element("p.warn", { id: "configuration-note", hidden: true, role: "status" });
     this.changes = element("h2", { id: "configuration-count" });
     this.table = element("tbody");
-    this.progress = element("section.card.progress", { id: "configuration-progress", hidden: true });
+    this.applying = new Applying("configuration-progress", { begun: () => this.tellButtons(), ended: (status) => this.ended(status) });
     this.whyNot = element("p.soft", { id: "configuration-why-not", hidden: true });
     const button = (id, text, act) => element("button", { type: "button", id, disabled: true, onclick: act }, text);
     this.applyButton = button("configuration-apply", "Apply ...", () => this.ask());
     this.undoButton = button("configuration-undo", "Undo my edits", () => this.swap(this.file.text));
     this.beforeButton = button("configuration-before", "The one before", () => this.swap(this.file.before));
     this.redoButton = button("configuration-redo", "My edits again", () => this.swap(this.setAside));
-    this.dialog = element("dialog.sure", { "aria-labelledby": "sure-title" });
-    main.append(element("h1", { id: "configuration-title" }, "Configuration"), this.note, this.progress,
+    main.append(element("h1", { id: "configuration-title" }, "Configuration"), this.note, this.applying.card,
       element("div.configuration", {},
         element("section.card.text", {}, element("div.tools", {}, this.applyButton, this.undoButton, this.beforeButton, this.redoButton), this.whyNot, this.editor.node,
           element("p.soft", { id: "configuration-keys" }, "Tab leaves the text; F8 goes to the next message; Escape goes back to the buttons.")),
         element("div.aside", {}, element("section.card", {}, this.verdict, this.messages), this.help),
         element("section.card.difference", {}, this.changes, element("div.scroll", {}, element("table.lines", { id: "configuration-difference" }, this.table)))),
-      this.dialog);
+      this.applying.dialog);
     this.editor.node.addEventListener("keydown", (event) => this.onEditorKey(event));
     this.load();
   }
 
   leave() {
     this.isAlive = false;
+    this.applying.end();
     clearTimeout(this.timer);
   }
 
@@ -92,8 +85,8 @@ export class ConfigurationView {
     this.whyNot.hidden = !file.why_not;
     setText(this.whyNot, `It can be edited and checked here, but not applied: ${file.why_not}.`);
     if (file.problem) this.say("bad", "The file can't be read", file.problem);
-    if (file.apply.state === "running") this.watch();
-    else if (isFirst && file.apply.state !== "none") this.tellProgress(file.apply);
+    if (file.apply.state === "running") this.applying.watch();
+    else if (isFirst && file.apply.state !== "none") this.applying.tell(file.apply);
     this.edited(0);
     this.tellKey();
   }
@@ -164,7 +157,7 @@ export class ConfigurationView {
   tellButtons() {
     const { file, editor } = this;
     const isSame = editor.value === file.text;
-    this.applyButton.disabled = isSame || Boolean(file.why_not) || !this.isChecked || this.problems.length > 0 || this.isWatching;
+    this.applyButton.disabled = isSame || Boolean(file.why_not) || !this.isChecked || this.problems.length > 0 || this.applying.isWatching;
     this.undoButton.disabled = isSame;
     this.beforeButton.disabled = file.before === null || editor.value === file.before;
     this.redoButton.disabled = !this.setAside || this.setAside === editor.value;
@@ -184,47 +177,14 @@ export class ConfigurationView {
 
   ask() {
     const { added, removed } = this.counts;
-    const close = () => this.dialog.close();
-    this.dialog.replaceChildren(element("h2", { id: "sure-title" }, `Apply ${lineCount(added)} added, ${lineCount(removed)} removed?`),
-      element("p", {}, "The service is checked, restarted and watched. Meanwhile there is no position, and controllers lose their connection: about two seconds, or half a minute and more where it does not come up."),
-      element("p", {}, "If it has not come up within 30 seconds the file as it is now is put back, and the service started with it."),
-      element("div.tools", {}, element("button", { type: "button", id: "sure", onclick: () => { close(); this.apply(); } }, "Apply and restart"), element("button", { type: "button", onclick: close }, "Not now")));
-    this.dialog.showModal();
+    this.applying.ask(`Apply ${lineCount(added)} added, ${lineCount(removed)} removed?`, () =>
+      authorised("/api/configuration/apply", { method: "POST", body: this.editor.value, headers: { "If-Match": this.file.tag } }));
   }
 
-  async apply() {
-    this.tellProgress({ state: "running", phase: "sending", lines: [] });
-    const response = await authorised("/api/configuration/apply", { method: "POST", body: this.editor.value, headers: { "If-Match": this.file.tag } }).catch(() => null);
-    if (response?.status === 202) return this.watch();
-    const text = response ? (await response.text()).trim() : "ninedot-web does not answer.";
-    this.tellProgress({ state: "failed", phase: "", lines: [text] });
-    if (response?.status === 412) this.load();
-  }
-
-  async watch() {
-    if (this.isWatching) return;
-    this.isWatching = true;
+  ended(status) {
     this.tellButtons();
-    while (this.isAlive) {
-      const response = await authorised("/api/configuration/apply").catch(() => null);
-      const apply = response?.ok ? await response.json() : null;
-      if (apply) this.tellProgress(apply);
-      if (apply && apply.state !== "running") break;
-      await new Promise((resolve) => setTimeout(resolve, PROGRESS_MS));
-    }
-    this.isWatching = false;
-    if (this.isAlive) this.load();
-  }
-
-  tellProgress({ state, phase, lines }) {
-    this.progress.hidden = false;
-    const [kind, title] = ENDS[state] ?? ["none", `Under way: ${phase} ...`];
-    const verdict = element(`div.verdict.${kind}`, { role: "status" }, title);
-    this.progress.replaceChildren(verdict, element("ol.log", {}, ...lines.map((line) => {
-      const [word, ...rest] = line.split(": ");
-      return element(`li${ENDS[word] && ENDS[word][0] === "bad" ? ".bad" : ""}`, {}, element("span.soft", {}, rest.length ? word : ""), element("span", {}, rest.length ? rest.join(": ") : line));
-    })));
-    this.progress.dataset.state = state;
+    // Over, or the file is another one by now.
+    if (status === 202 || status === 412) this.load();
   }
 
   tellKey() {

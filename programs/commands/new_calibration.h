@@ -1,0 +1,38 @@
+#pragma once
+/// A new calibration of the camera: where it goes, and a file for it while it is on trial.
+#include <string>
+#include <string_view>
+
+namespace ninedot {
+
+struct CalibrationPlace {
+  std::string path;         ///< the file that it is to become
+  std::string config_text;  ///< the configuration that names it; empty: the one that there is does
+};
+
+/// The file that the configuration names; where it names none, camera.yaml beside it, and a line that names that.
+/// \param config_text  of the file `config_path`
+/// Throws StartupError(kWrongUsage): the configuration can't be read, there is no such file, or one is beside it that
+/// it does not name. Memory: the text twice. Threads: one.
+CalibrationPlace place_for_calibration(const std::string& config_text, const std::string& config_path);
+
+/// A file where the service's user may read it, which goes with this object unless it is kept.
+/// Threads: one; waits for the disk.
+class FileOnTrial {
+ public:
+  /// \param path  is written anew \param like  has the owner and the mode that it is to have
+  /// Throws StartupError(kWorkFailed): it can't be written.
+  FileOnTrial(std::string path, std::string_view text, const std::string& like);
+  ~FileOnTrial();
+  FileOnTrial(const FileOnTrial&) = delete;
+  FileOnTrial& operator=(const FileOnTrial&) = delete;
+
+  const std::string& path() const noexcept { return path_; }
+  void keep() noexcept { is_kept_ = true; }
+
+ private:
+  const std::string path_;
+  bool is_kept_ = false;
+};
+
+}  // namespace ninedot

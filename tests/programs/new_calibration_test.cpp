@@ -1,0 +1,98 @@
+#include "programs/commands/new_calibration.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+
+#include "base/startup_error.h"
+
+namespace ninedot {
+namespace {
+
+namespace fs = std::filesystem;
+
+class NewCalibration : public testing::Test {
+ protected:
+  NewCalibration() {
+    std::string pattern = (fs::temp_directory_path() / "ninedot-test-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr) std::abort();
+    folder_ = pattern;
+    config_ = (folder_ / "ninedot.toml").string();
+    beside_ = (folder_ / "camera.yaml").string();
+  }
+  ~NewCalibration() override { fs::remove_all(folder_); }
+
+  static void write(const fs::path& file, std::string_view text) { std::ofstream(file) << text; }
+  std::string refusal_of(const std::string& text) const {
+    try {
+      place_for_calibration(text, config_);
+    } catch (const StartupError& error) {
+      EXPECT_EQ(error.status, ExitStatus::kWrongUsage);
+      return error.what();
+    }
+    ADD_FAILURE() << "was not refused: " << text;
+    return {};
+  }
+
+  fs::path folder_;
+  std::string config_, beside_;
+};
+
+TEST_F(NewCalibration, GoesWhereTheConfigurationHasIt) {
+  fs::create_directory(folder_ / "lenses");
+  write(folder_ / "lenses/wide.yaml", "old");
+  const CalibrationPlace place =
+      place_for_calibration("[camera]\nsource = \"v4l2\"\ncalibration = \"lenses/wide.yaml\"\n", config_);
+  EXPECT_EQ(place.path, (folder_ / "lenses/wide.yaml").string());
+  EXPECT_EQ(place.config_text, "");
+}
+
+TEST_F(NewCalibration, IsNamedWhereNoneWasAndNothingElseIsTouched) {
+  const CalibrationPlace place =
+      place_for_calibration("# a sensor\n\n [camera]   # the left one\nsource = \"v4l2\"\n[track]\n", config_);
+  EXPECT_EQ(place.path, beside_);
+  EXPECT_EQ(place.config_text,
+            "# a sensor\n\n [camera]   # the left one\ncalibration = \"camera.yaml\"\nsource = \"v4l2\"\n[track]\n");
+  EXPECT_EQ(place_for_calibration("[camera]", config_).config_text, "[camera]\ncalibration = \"camera.yaml\"");
+}
+
+TEST_F(NewCalibration, IsNotPutWhereSomethingIsOrWhereNobodyKnows) {
+  EXPECT_NE(refusal_of("[camera]\ncalibration = \"gone.yaml\"\n").find("gone.yaml"), std::string::npos);
+  EXPECT_NE(refusal_of("camera.source = \"v4l2\"\n").find("no line [camera]"), std::string::npos);
+  EXPECT_NE(refusal_of("").find("no line [camera]"), std::string::npos);
+  EXPECT_NE(refusal_of("text = '''\n[camera]\n'''\n").find("no line [camera]"), std::string::npos) << "inside a string";
+  EXPECT_NE(refusal_of("[camera\n").find("ninedot.toml:"), std::string::npos);
+  write(beside_, "of somebody");
+  EXPECT_NE(refusal_of("[camera]\n").find("does not name it"), std::string::npos);
+  fs::remove(beside_);
+  fs::create_symlink("nowhere", beside_);
+  EXPECT_NE(refusal_of("[camera]\n").find("does not name it"), std::string::npos);
+}
+
+TEST_F(NewCalibration, HasTheRightsOfItsModelAndGoesUnlessItIsKept) {
+  write(config_, "");
+  fs::permissions(config_, fs::perms(0640));
+  {
+    const FileOnTrial file(beside_, "new", config_);
+    struct stat status {};
+    ASSERT_EQ(::stat(beside_.c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777U, 0640U);
+  }
+  EXPECT_FALSE(fs::exists(beside_));
+  {
+    FileOnTrial file(beside_, "new", config_);
+    file.keep();
+  }
+  std::ifstream stream(beside_);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(stream), {}), "new");
+  EXPECT_THROW(FileOnTrial(folder_ / "none/camera.yaml", "new", config_), StartupError);
+}
+
+}  // namespace
+}  // namespace ninedot
