@@ -39,6 +39,7 @@ class Registers:
     uptime_s = property(lambda self: self.uint32(73))
 
 
+STATUS_LIMIT, STATUS_INHIBITED, STATUS_FAULT, STATUS_HAS_HEAD = 1 << 5, 1 << 11, 1 << 12, 1 << 13
 REASON_NO_FRAME_YET, REASON_NO_LANDMARK, REASON_CAMERA_LOST, REASON_TOO_OLD = 1, 2, 4, 8
 REASON_POOR_FIT, REASON_CROWDED = 12, 13
 # A replay has rows of landmarks that were found: of none where there is none, nothing that fits one, or too much to search in one picture.

@@ -4,6 +4,7 @@ import math
 import re
 import time
 
+from registers import STATUS_FAULT, STATUS_HAS_HEAD, STATUS_INHIBITED, STATUS_LIMIT
 from service import GuestService
 from tracing import Trace
 
@@ -48,7 +49,6 @@ PAN, TILT = 0, 5
 POWER, LED, INHIBIT, PAN_LINE, TILT_LINE, OUTPUT_ENABLE = range(6)
 NAMES = ("servo-power", "status-led", "inhibit", "pan-pulse", "tilt-pulse", "output-enable")
 LANDMARK, NO_LANDMARK = 22, 33  # scenes: near the middle of the picture, and without one
-STATUS_LIMIT, STATUS_INHIBITED, STATUS_FAULT, STATUS_HAS_HEAD = 1 << 5, 1 << 11, 1 << 12, 1 << 13
 CALIBRATION = ((-30, 1900), (0, 1480), (30, 1150))
 # Under emulation an edge costs a tenth of a millisecond, and late wake-ups come on top of most pulses: the shortest one tells what
 # width was meant. Measured: 80 to 110 us too long on a host with eight other things to do on two processors.
