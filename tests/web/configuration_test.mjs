@@ -298,3 +298,71 @@ test("texts that are made to cost much cost little", async (t) => {
     assert.ok(rss() < 60, `${what}: ${rss()} MB, and the unit allows 64`);
   }
 });
+
+async function openExposure(on = own) {
+  const opened = await openPage(chrome, on, "focus", linked);
+  await opened.page.evaluate(() => { location.hash = "focus"; });
+  await opened.page.waitForFunction(() => !document.querySelector("#set-gain").disabled || !document.querySelector("#exposure-why-not").hidden);
+  return opened;
+}
+
+test("exposure and gain are set from the focus view, in the file and in the service, and nothing else is touched", async () => {
+  const before = own.file();
+  const { page, close } = await openExposure();
+  assert.ok(await page.locator("#set-exposure").isDisabled(), "there is nothing to set yet");
+  await page.fill("#set-exposure_us", "4000");
+  await page.fill("#set-gain", "2.5");
+  await page.click("#set-exposure");
+  assert.equal(await page.locator("#sure-title").textContent(), "Set exposure_us = 4000 and gain = 2.5?");
+  await page.click("#sure");
+  const state = () => page.locator("#exposure-applying").getAttribute("data-state");
+  await until("it ended", async () => !["running", null].includes(await state()));
+  assert.equal(await state(), "up", await page.locator("#exposure-applying").textContent());
+  assert.equal(own.file(), before.replace("[camera]\n", "[camera]\nexposure_us = 4000\ngain = 2.5\n"));
+  await own.runs();
+  await pause(4000);  // the page goes by the new file
+  await page.waitForFunction(() => document.querySelector("#set-exposure_us").value === "4000" && document.querySelector("#set-gain").value === "2.5");
+  await page.fill("#set-exposure_us", "");
+  await page.click("#set-exposure");
+  assert.equal(await page.locator("#sure-title").textContent(), "Set exposure_us = automatic?");
+  await page.click("#sure");
+  await until("it is in the file", async () => own.file().includes("exposure_us = 0\n"));
+  await until("it ended", async () => (await state()) === "up");
+  await close();
+});
+
+test("an exposure beyond the limits, and one that the page may not set, change nothing", async () => {
+  const before = own.file();
+  const { page, close } = await openExposure();
+  await page.fill("#set-exposure_us", "2000000");
+  await page.click("#set-exposure");
+  assert.equal(await page.evaluate(() => document.querySelector("#set-exposure_us").validity.rangeOverflow), true);
+  // A browser that lets it pass.
+  await page.evaluate(() => { document.querySelector("#set-exposure").form.noValidate = true; });
+  await page.click("#set-exposure");
+  await page.waitForFunction(() => /'exposure_us' is 2000000/.test(document.querySelector("#exposure-note").textContent));
+  assert.equal(await page.evaluate(() => document.querySelector("dialog.sure").open), false);
+  assert.equal(own.file(), before);
+  await close();
+  const other = await ConfigurationStage.open({ permitted: false });
+  const closed = await openExposure(other);
+  assert.match(await closed.page.locator("#exposure-why-not").textContent(), /systemctl enable --now ninedot-apply.socket/);
+  assert.ok(await closed.page.locator("#set-gain").isDisabled());
+  await closed.close();
+  assert.deepEqual(await other.close(), [0, 0]);
+});
+
+test("keys are set where they stand, and found where only TOML finds them", async () => {
+  const { page, close } = await openExposure();
+  const results = await page.evaluate(async () => {
+    const { valuesIn, withValues } = await import("./exposure.js");
+    const text = "top = 1\n[pan_tilt]\ngain = 0.4\n  [camera] # left\n# gain = 7\n gain=3.0# dim\nrate_hz = 35\n[[landmarks]]\nexposure_us = 9\n";
+    return { read: valuesIn(text, "camera", ["gain", "exposure_us"]), set: withValues(text, "camera", { gain: 4, exposure_us: 500 }), none: withValues("[web]\n", "camera", { gain: 1 }),
+      list: withValues("[[camera]]\n", "camera", { gain: 1 }) };
+  });
+  assert.deepEqual(results.read, { gain: "3.0" });
+  assert.equal(results.set, "top = 1\n[pan_tilt]\ngain = 0.4\n  [camera] # left\nexposure_us = 500\n# gain = 7\n gain=4# dim\nrate_hz = 35\n[[landmarks]]\nexposure_us = 9\n");
+  assert.equal(results.none, null);
+  assert.equal(results.list, null);
+  await close();
+});

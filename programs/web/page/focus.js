@@ -1,5 +1,7 @@
-// For hands at the lens: how sharp the landmark is while the focus ring turns, and whether light and exposure are right.
+// For hands at the lens: how sharp the landmark is while the focus ring turns, and whether light and exposure are right;
+// and the latter two set.
 import { element, fixed, setText, tellNoFrame, tellVerdict } from "./dom.js";
+import { Exposure } from "./exposure.js";
 import { lines } from "./plot.js";
 import { SPAN_MS } from "./history.js";
 import { BLACK, WHITE, SMALLEST_RADIUS_PX, greyOf, rangeOf, sharpnessOf } from "./sharpness.js";
@@ -41,15 +43,17 @@ export class FocusView {
     this.facts = element("table.facts");
     this.plot = element("canvas", { role: "img", "aria-label": "blur over the last minute" });
     this.plotTitle = element("h2", {}, "");
+    this.exposure = new Exposure();
     main.append(element("div.live", {},
       element("section.card.stage", {}, this.canvas, element("div.tools", {}, this.marksButton, element("span.mark-white", {}, "over-exposed"), element("span.mark-black", {}, "under-exposed"))),
       element("section.card", {}, this.verdict, this.figure, this.facts,
         element("button", { type: "button", title: "Forget the best value so far (r)", onclick: () => this.forget() }, "Begin anew"))),
-    element("section.card.wideplot", {}, this.plotTitle, this.plot));
+    element("section.card.wideplot", {}, this.plotTitle, this.plot), this.exposure.node);
   }
 
   leave() {
     this.hasLeft = true;
+    this.exposure.leave();
   }
 
   onKey(key) {
