@@ -110,10 +110,12 @@ class PageOfInstalled:
                 time.sleep(0.5)
         raise AssertionError(f"the page does not come back; {self.service.journal('ninedot-web')}")
 
-    def apply(self, text, within_s=200):
+    def apply(self, text):
         """\\return  (HTTP status, how it ended, its lines)"""
-        tag = self.file()["tag"]
-        status, body = self.request("POST", "/api/configuration/apply", text, {"If-Match": tag})
+        return self.ended(*self.request("POST", "/api/configuration/apply", text, {"If-Match": self.file()["tag"]}))
+
+    def ended(self, status, body, within_s=200):
+        """What came of an answer, as `apply` has it."""
         if status != 202:
             return status, "", body.decode()
         deadline = time.monotonic() + within_s

@@ -234,10 +234,11 @@ class Installed:
         # Of each device that it is missed, and that it is there; of the camera the latter is said with what it sees.
         said = ("camera: waits for it:", "Modbus RTU: not there, waits for it:", "pan/tilt: not there, waits for it:", "Modbus RTU: there", "pan/tilt: sysfs-pwm", "landmark 0 found")
         counts = [[sum(f"ninedotd: {words}" in line for line in of) for words in said] for of in lines]
+        wrong = [of for of, count in zip(lines, counts) if count != [1] * len(said) or len(set(of)) != len(of)]
         self.stage.ok(
             "one-line-each",
-            all(count == [1] * len(said) for count in counts) and all(len(set(of)) == len(of) for of in lines),
-            f"{max(map(len, lines))} lines at most in the journal of one round; {', '.join(said)}: {counts[-1]} times",
+            not wrong,
+            f"{max(map(len, lines))} lines at most in the journal of one round; {', '.join(said)}: {counts[-1]} times" + "".join(f"\n  {line}" for of in wrong for line in of),
         )
         status, text = self.guest.run(f"ninedot check --config {CONFIG}", 60)
         self.stage.ok(
