@@ -49,7 +49,7 @@ export class Exposure {
     this.button = element("button", { type: "submit", id: "set-exposure", disabled: true }, "Set ...");
     this.note = element("p.warn", { id: "exposure-note", role: "status", hidden: true });
     this.whyNot = element("p.soft", { id: "exposure-why-not", hidden: true });
-    this.applying = new Applying("exposure-applying", { begun: () => this.tell(), ended: () => this.load() });
+    this.applying = new Applying("exposure-applying", { ended: () => this.load() });
     this.node = element("section.card.exposure", {}, element("h2", {}, "Exposure and gain"),
       element("form.fields", { onsubmit: (event) => { event.preventDefault(); this.ask(); } }, ...KEYS.map(([key, name]) => element("label", {}, `${name} `, this.inputs[key])), this.button),
       element("p.soft", {}, "Empty: automatic. Kept in the configuration; the service restarts with it, about four seconds, and goes back where the camera does not take it."),
@@ -84,7 +84,6 @@ export class Exposure {
     for (const [key, input] of Object.entries(this.inputs)) {
       input.value = Number(values[key] ?? 0) || "";
       input.max = /\.\. (\S+)$/.exec(this.keys.find(({ name }) => name === key).range)[1];
-      input.disabled = Boolean(file.why_not);
     }
     this.whyNot.hidden = !file.why_not;
     setText(this.whyNot, `Not from here: ${file.why_not}.`);
@@ -98,7 +97,9 @@ export class Exposure {
   }
 
   tell() {
-    this.button.disabled = !this.file || Boolean(this.file.why_not) || this.applying.isWatching || Object.keys(this.changes()).length === 0;
+    const isClosed = !this.file || Boolean(this.file.why_not);
+    for (const input of Object.values(this.inputs)) input.disabled = isClosed;
+    this.button.disabled = isClosed || Object.keys(this.changes()).length === 0;
   }
 
   say(text) {
@@ -116,6 +117,13 @@ export class Exposure {
     this.say(problems.length ? problems[0].what : "");
     if (problems.length) return;
     const words = Object.entries(changes).map(([key, value]) => `${key} = ${value || "automatic"}`);
-    this.applying.ask(`Set ${words.join(" and ")}?`, () => authorised(`${PATH}/apply`, { method: "POST", body: text, headers: { "If-Match": tag } }));
+    this.applying.ask(`Set ${words.join(" and ")}?`, () => this.apply(text, tag));
+  }
+
+  // What was typed meanwhile would be overwritten by the file that is loaded after it.
+  apply(text, tag) {
+    this.file = null;
+    this.tell();
+    return authorised(`${PATH}/apply`, { method: "POST", body: text, headers: { "If-Match": tag } });
   }
 }
