@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "base/startup_error.h"
+#include "config/config_edit.h"
 #include "drivers/posix/whole_file.h"
 #include "programs/assembly/input_files.h"
 
@@ -21,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFile = "camera.yaml";
-constexpr const char* kLine = "calibration = \"camera.yaml\"";
+constexpr const char* kName = "\"camera.yaml\"";
 
 [[noreturn]] void refuse(const std::string& what) { throw StartupError(ExitStatus::kWrongUsage, what); }
 
@@ -30,25 +32,6 @@ std::string calibration_named_in(const std::string& config_text, const std::stri
   Config config = read_config(config_text, config_path, config_path, problems);
   if (!problems.can_be_read) refuse_first(problems, config_path);
   return std::move(config.camera.calibration);
-}
-
-/// \return  the line, as TOML: no blanks around it, no comment behind it
-std::string_view bare(std::string_view line) {
-  line = line.substr(0, line.find('#'));
-  const std::size_t first = line.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return line.substr(first, line.find_last_not_of(" \t\r") - first + 1);
-}
-
-/// Under the table's head; nothing else of it is touched.
-std::string with_line_under_camera(const std::string& text) {
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    if (bare(std::string_view(text).substr(begin, end - begin)) == "[camera]")
-      return text.substr(0, end) + "\n" + kLine + text.substr(end);
-    begin = end + 1;
-  }
-  return text;
 }
 
 }  // namespace
@@ -63,12 +46,10 @@ CalibrationPlace place_for_calibration(const std::string& config_text, const std
   }
   const std::string path = (fs::path(config_path).parent_path() / kFile).string();
   if (fs::exists(fs::symlink_status(path, error)))
-    refuse(fmt::format("{}: is there, and {} does not name it: write `{}` under [camera], or move it away", path,
-                       config_path, kLine));
-  std::string text = with_line_under_camera(config_text);
-  if (calibration_named_in(text, config_path) != fs::path(path).lexically_normal())
-    refuse(fmt::format("{}: has no line [camera] to write `{}` under: write both", config_path, kLine));
-  return {path, std::move(text)};
+    refuse(
+        fmt::format("{}: is there, and {} does not name it: write `calibration = {}` under [camera], or move it away",
+                    path, config_path, kName));
+  return {path, with_keys(config_text, std::array{KeyText{"camera", "calibration", kName}}, config_path)};
 }
 
 FileOnTrial::FileOnTrial(std::string path, std::string_view text, const std::string& like) : path_(std::move(path)) {
