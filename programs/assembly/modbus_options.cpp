@@ -34,6 +34,10 @@ ModbusOptions modbus_options(const Config& config) {
   return options;
 }
 
+std::string address_from_here(const ModbusTcpConfig& config) {
+  return config.listen == "0.0.0.0" ? "127.0.0.1" : config.listen == "::" ? "::1" : config.listen;
+}
+
 PoseOutput pose_output(const Config& config) {
   PoseOutput output;
   if (config.outputs.pose == "camera_in_landmark") output.content = PoseContent::kCameraInLandmark;

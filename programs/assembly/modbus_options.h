@@ -10,6 +10,9 @@ namespace ninedot {
 
 ModbusOptions modbus_options(const Config& config);
 
+/// Where the service's Modbus TCP is reached from its own machine: a numeric address.
+std::string address_from_here(const ModbusTcpConfig& config);
+
 /// [outputs]
 PoseOutput pose_output(const Config& config);
 

@@ -1,4 +1,4 @@
-// `ninedot apply`: a new configuration, or a new calibration of the camera, in the old one's place, if the service
+// `ninedot apply`: a new configuration, or a new calibration of camera or head, in the old one's place, if the service
 // comes up with it. Until that is known the old one is kept beside it, and brought back otherwise.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,9 +18,11 @@
 #include "drivers/posix/text_file.h"
 #include "programs/commands/candidate.h"
 #include "programs/commands/child_check.h"
+#include "programs/commands/child_work.h"
 #include "programs/commands/commands.h"
 #include "programs/commands/config_change.h"
 #include "programs/commands/new_calibration.h"
+#include "programs/commands/new_head.h"
 #include "programs/commands/service_trial.h"
 
 namespace ninedot {
@@ -30,7 +32,7 @@ struct ApplyArguments {
   std::string candidate = "-", config, check_as;
   std::vector<std::string> restart;
   int within_s = 30;
-  bool is_calibration = false, page = false;
+  bool is_calibration = false, is_head = false, page = false;
 };
 
 /// One line of progress. Whoever listened may be gone: that is no reason to stop half way.
@@ -54,9 +56,11 @@ class Apply {
     const ApplyLock lock(arguments_.config);
     if (candidate.kind == CandidateKind::kCalibration) return put_calibration(candidate.text);
     ConfigChange change(arguments_.config);
-    if (!is_new(change, candidate.text)) return;
-    const CheckedConfig checked = check({candidate.text, name_, arguments_.config, {}});
-    try_out(change, candidate.text, checked, change.last_good());
+    const bool is_head = candidate.kind == CandidateKind::kHead;
+    const std::string text = is_head ? merged(change.text(), candidate.text) : candidate.text;
+    if (!is_new(change, text)) return;
+    const CheckedConfig checked = check({text, is_head ? arguments_.config : name_, arguments_.config, {}});
+    try_out(change, text, checked, change.last_good());
   }
 
   /// How it failed.
@@ -67,8 +71,19 @@ class Apply {
  private:
   Candidate candidate() const {
     if (arguments_.page) return read_request(STDIN_FILENO);
-    return {arguments_.is_calibration ? CandidateKind::kCalibration : CandidateKind::kConfiguration,
+    return {arguments_.is_calibration ? CandidateKind::kCalibration
+            : arguments_.is_head      ? CandidateKind::kHead
+                                      : CandidateKind::kConfiguration,
             read_candidate(arguments_.candidate)};
+  }
+
+  std::string merged(const std::string& config, const std::string& head) const {
+    std::string text =
+        in_child(arguments_.check_as, "the merging", [&] { return with_head(config, arguments_.config, head, name_); });
+    if (text.size() > kMaxApplied_bytes)
+      throw StartupError(ExitStatus::kWrongUsage,
+                         fmt::format("{}: would be longer than {} bytes", arguments_.config, kMaxApplied_bytes));
+    return text;
   }
 
   void put_calibration(const std::string& text) {
@@ -166,14 +181,17 @@ void run_apply(const ApplyArguments& arguments) {
 void add_apply_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "apply",
-      "Put a new configuration, or a calibration of the camera, in the place of the service's, restart it, and go back "
-      "if it does not come up with it");
+      "Put a new configuration, or a calibration of the camera or of the head, in the place of the service's, restart "
+      "it, and go back if it does not come up with it");
   const auto arguments = std::make_shared<ApplyArguments>();
   CLI::Option* const candidate =
       command->add_option("new", arguments->candidate, "the new configuration; - is standard input");
   CLI::Option* const calibration = command->add_flag(
       "--calibration", arguments->is_calibration,
       "the new file is a calibration of the camera: it takes the place of the one that the configuration names");
+  CLI::Option* const head = command->add_flag(
+      "--head", arguments->is_head,
+      "the new file is of `ninedot calibrate pan-tilt`: its keys take the place of those of the configuration");
   command->add_option("--config", arguments->config, "the file that the service reads")->required();
   command
       ->add_option("--restart", arguments->restart,
@@ -187,10 +205,11 @@ void add_apply_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--check-as", arguments->check_as,
                       "user with whose rights the new configuration is checked; for root");
-  CLI::Option* const page = command->add_flag(
-      "--page", arguments->page,
-      "standard input is a connection of ninedot-web: a line `apply BYTES` or `calibration BYTES`, then the file");
-  page->excludes(candidate)->excludes(calibration);
+  CLI::Option* const page = command->add_flag("--page", arguments->page,
+                                              "standard input is a connection of ninedot-web: a line `apply BYTES`, "
+                                              "`calibration BYTES` or `head BYTES`, then the file");
+  page->excludes(candidate)->excludes(calibration)->excludes(head);
+  head->excludes(calibration);
   command->callback([arguments, candidate, page] {
     if (candidate->count() + page->count() == 0)
       throw StartupError(ExitStatus::kWrongUsage, "name the new file, or - for standard input");

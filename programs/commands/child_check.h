@@ -1,6 +1,6 @@
 #pragma once
-/// A configuration's check in a process of its own, which may have fewer rights: what the text says of files and
-/// devices is then looked at with those rights, and whatever a text could do to its reader it does to that process.
+/// A configuration's check in a process of its own (child_work.h): what the text says of files and devices is looked at
+/// with that process's rights.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -28,8 +28,7 @@ struct ConfigToCheck {
 };
 
 /// \param user  whose rights it has; empty: the caller's
-/// Throws StartupError: kWrongUsage, no such user; kWorkFailed, the check did not come to its end within a minute.
-/// Memory: 1 MB of lines at most. Threads: call it while there is one only.
+/// Throws StartupError as in_child does, but for a text that is refused. Memory, threads: as in_child.
 CheckedConfig check_in_child(const ConfigToCheck& subject, const std::string& user, CheckDepth depth);
 
 }  // namespace ninedot

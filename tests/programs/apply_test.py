@@ -328,6 +328,49 @@ class Apply(unittest.TestCase):
         self.assertFalse((self.folder / "camera.yaml").exists())
         self.assert_as_it_was(restarts=3)
 
+    HEAD = """# Made by `ninedot calibrate pan-tilt`.
+[body]
+camera_mm = [33.6, -8, 20.9]  # 1-sigma 0.7 mm
+[pan_tilt.pan]
+calibration = [  # [deg, us]
+  [-25.4, 1739],  # +- 0.017 deg
+  [16.9, 1341],
+]
+"""
+
+    def test_a_calibration_of_the_head_takes_the_place_of_its_keys_alone(self):
+        self.old += "[body]\ncamera_mm = [0, 0, 0] # to be measured\n"
+        self.config.write_text(self.old)
+        self.new.write_text(self.HEAD)
+        done = self.apply(self.new, "--head")
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        table = self.HEAD[self.HEAD.index("calibration = "):]
+        self.assertEqual(self.config.read_text(), self.old.replace("[0, 0, 0]", "[33.6, -8, 20.9]") + "\n[pan_tilt.pan]\n" + table)
+        self.assertEqual((self.folder / "ninedot.toml.before").read_text(), self.old)
+        self.runs()
+        self.assertIn("holds this already", self.apply(self.new, "--head").stdout)
+
+    def test_what_is_no_calibration_of_a_head_is_refused(self):
+        for text, reason in (("[web]\nlisten = '0.0.0.0'\n", "new.toml: 'listen' of \\[web\\] is nothing of a head"), ("# nothing\n", "has nothing of a head"),
+                             ("[body]\ncamera_mm = 3\n", "'camera_mm'"), ("[body\n", "new.toml:1:")):
+            self.new.write_text(text)
+            done = self.apply(self.new, "--head")
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertRegex(done.stderr, reason)
+            self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+            self.assert_as_it_was()
+        self.assertEqual(self.apply(self.new, "--head", "--calibration").returncode, 2)
+
+    def test_the_page_hands_over_a_calibration_of_the_head(self):
+        head = self.HEAD.encode()
+        status, answer = self.page(b"head %d\n%s" % (len(head), head), close=False)
+        self.assertEqual(status, 0, answer)
+        self.assertRegex(answer.splitlines()[-1], r"^up: .*ninedot\.toml\.before")
+        self.assertIn("camera_mm = [33.6, -8, 20.9]", self.config.read_text())
+        status, answer = self.page(b"head 13\n[web]\nport=1\n")
+        self.assertEqual(status, 2, answer)
+        self.assertRegex(answer, "refused: .*'port' of \\[web\\] is nothing of a head")
+
     def test_the_page_hands_over_a_calibration(self):
         self.with_calibration()
         status, answer = self.page(b"calibration 5\nwrong")
