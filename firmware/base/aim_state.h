@@ -20,6 +20,22 @@ enum class AimState : std::uint16_t {
 };
 inline constexpr std::size_t kAimStateCount = 7;
 
+/// It looks for the landmark, or goes by it: nobody has sent it elsewhere.
+constexpr bool follows(AimState state) noexcept {
+  switch (state) {
+    case AimState::kSearch:
+    case AimState::kAcquire:
+    case AimState::kTrack:
+    case AimState::kCoast:
+      return true;
+    case AimState::kNone:
+    case AimState::kHold:
+    case AimState::kPark:
+      break;
+  }
+  return false;
+}
+
 struct AimStateWords {
   AimState state;
   std::string_view name;      ///< upper case

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -14,7 +13,7 @@
 
 #include "base/startup_error.h"
 #include "programs/commands/commands.h"
-#include "programs/commands/service_client.h"
+#include "programs/commands/head_client.h"
 
 namespace ninedot {
 namespace {
@@ -37,26 +36,6 @@ std::string refuse_nan(const std::string& text) {
   return std::isnan(std::strtod(text.c_str(), nullptr)) ? text + " is no number" : std::string();
 }
 
-/// \return  the sequence number by which its result is known
-std::uint16_t send(ServiceClient& service, const AimArguments& arguments, const RegisterReader& before) {
-  const auto set_point = [&](std::uint16_t address, const std::optional<double>& wanted_deg, std::uint16_t now) {
-    std::array<std::uint16_t, 1> word{};
-    encode_value(*find_register(address), wanted_deg.value_or(before.value(now)), {}, word);
-    return word[0];
-  };
-  const auto sequence = static_cast<std::uint16_t>(before.integer(reg::kCommandSequence) + 1);
-  if (!arguments.follow && !arguments.park) {
-    const std::array<std::uint16_t, 2> points{set_point(reg::kPanSetPoint, arguments.pan_deg, reg::kPan),
-                                              set_point(reg::kTiltSetPoint, arguments.tilt_deg, reg::kTilt)};
-    service.write(reg::kPanSetPoint, points);
-  }
-  const auto code = static_cast<std::uint16_t>(arguments.follow ? Command::kFollow
-                                               : arguments.park ? Command::kPark
-                                                                : Command::kPoint);
-  service.write(reg::kCommand, std::array<std::uint16_t, 2>{code, sequence});
-  return sequence;
-}
-
 std::string place_text(const RegisterReader& r) {
   return fmt::format("pan {:.2f} deg, tilt {:.2f} deg", r.value(reg::kPan), r.value(reg::kTilt));
 }
@@ -70,25 +49,24 @@ std::string failure_text(const RegisterReader& r, bool is_over) {
 }
 
 /// Shows on a terminal where the head stands meanwhile. Throws StartupError: failed, superseded, or too late.
-RegisterReader wait_until_done(ServiceClient& service, std::uint16_t sequence, std::chrono::duration<double> wait) {
+RegisterReader wait_until_done(HeadClient& head, std::chrono::duration<double> wait) {
   const auto until = std::chrono::steady_clock::now() + wait;
   const bool is_terminal = ::isatty(STDERR_FILENO) != 0;
   const auto clear = [is_terminal] {
     if (is_terminal) fmt::print(stderr, "\r{:40}\r", "");
   };
   for (;;) {
-    const RegisterReader r = service.read();
+    const RegisterReader r = head.read();
     if (is_terminal) fmt::print(stderr, "\r{}   ", place_text(r));
-    const auto result = static_cast<CommandResult>(r.integer(reg::kCommandResult));
-    const bool is_ours = r.integer(reg::kCommandSequence) == sequence;
+    const std::optional<CommandResult> result = head.result(r);
     const bool is_over = result != CommandResult::kRunning;
-    if (is_ours && !is_over && std::chrono::steady_clock::now() < until) {
+    if (!is_over && std::chrono::steady_clock::now() < until) {
       std::this_thread::sleep_for(kBetweenReads);
       continue;
     }
     clear();
-    if (!is_ours) service.fail("another client's command took the place of this one");
-    if (result != CommandResult::kDone) service.fail(failure_text(r, is_over));
+    if (!result) head.fail("another client's command took the place of this one");
+    if (result != CommandResult::kDone) head.fail(failure_text(r, is_over));
     return r;
   }
 }
@@ -97,18 +75,18 @@ void run_aim(const AimArguments& arguments) {
   const bool points = arguments.pan_deg || arguments.tilt_deg;
   if (int{arguments.follow} + int{arguments.park} + int{points} != 1)
     throw StartupError(ExitStatus::kWrongUsage, "say either --follow, --park, or where to: --pan-deg and --tilt-deg");
-  ServiceClient service(arguments.host, arguments.port);
-  const RegisterReader before = service.read();
-  if (!before.status(status_bit::kHasHead)) service.fail("the service has no head: set pan_tilt.driver");
-  if (!before.status(status_bit::kWritesEnabled))
-    service.fail("the service takes no commands: set modbus.allow_writes = true");
-  const std::uint16_t sequence = send(service, arguments, before);
+  HeadClient head(arguments.host, arguments.port);
   if (arguments.follow) {
-    wait_until_done(service, sequence, kFollowingTakes);
+    head.follow();
+    wait_until_done(head, kFollowingTakes);
     return fmt::print("the head follows the landmark\n");
   }
+  if (arguments.park)
+    head.park();
+  else
+    head.point(arguments.pan_deg, arguments.tilt_deg);
   if (arguments.wait_s <= 0) return;
-  fmt::print("{}\n", place_text(wait_until_done(service, sequence, std::chrono::duration<double>(arguments.wait_s))));
+  fmt::print("{}\n", place_text(wait_until_done(head, std::chrono::duration<double>(arguments.wait_s))));
 }
 
 }  // namespace

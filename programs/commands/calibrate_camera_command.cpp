@@ -25,7 +25,7 @@
 #include "programs/commands/calibration_target.h"
 #include "programs/commands/lens_from_views.h"
 #include "programs/commands/output_check.h"
-#include "programs/tap/tap_source.h"
+#include "programs/commands/tapped_source.h"
 
 namespace ninedot {
 namespace {
@@ -52,25 +52,6 @@ void check_arguments(const CalibrateCameraArguments& arguments) {
     refuse("--keep is for a camera's views; those of recordings are there already: leave it out");
   if (!arguments.is_live() && !arguments.sheet.config.empty() && !arguments.sheet.grid.empty())
     refuse("recordings of a grid need no --config: leave it out, or leave out the recordings to watch its camera");
-}
-
-std::string describe_tap_failure(const FrameSource& frames) {
-  return static_cast<const TapSource&>(frames).last_failure();
-}
-
-/// The running service's camera, which goes on serving it.
-OpenedSource open_tap(const std::string& config_file, const Config& config) {
-  if (!config.tap.enabled)
-    throw StartupError(ExitStatus::kWorkFailed,
-                       config_file + ": no tap is configured: write `enabled = true` under [tap]");
-  auto source = std::make_unique<TapSource>(config.tap.path);
-  const auto width_px = static_cast<int>(source->header().width_px);
-  const auto height_px = static_cast<int>(source->header().height_px);
-  if (width_px != config.camera.width_px || height_px != config.camera.height_px)
-    throw StartupError(ExitStatus::kWorkFailed,
-                       fmt::format("the service runs with pictures of {} x {} px, and {} says {} x {}: restart it",
-                                   width_px, height_px, config_file, config.camera.width_px, config.camera.height_px));
-  return {std::move(source), describe_tap_failure, {}, {}, 0, nullptr, false};
 }
 
 /// A camera has one user, and here that is the service most often.
@@ -123,7 +104,7 @@ class CalibrationFiles {
 LensCalibration watch_camera(LensFromViews& calibration, const CalibrateCameraArguments& arguments,
                              const Config& config) {
   const std::string keep = folder_for_views(arguments);
-  const OpenedSource source = arguments.tap ? open_tap(arguments.sheet.config, config) : open_camera(config);
+  const OpenedSource source = arguments.tap ? open_tapped_source(arguments.sheet.config, config) : open_camera(config);
   if (keep.empty()) fmt::print(stderr, "no views are kept: --keep FOLDER would\n");
   LensCalibration result = calibration.of_camera(source, keep);
   if (!keep.empty()) fmt::print(stderr, "the views are kept in {}\n", keep);

@@ -2,6 +2,7 @@
 // itself.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -23,6 +24,7 @@
 #include "programs/commands/calibrate_commands.h"
 #include "programs/commands/collect_head_frames.h"
 #include "programs/commands/head_file_text.h"
+#include "programs/commands/head_news.h"
 #include "programs/commands/live_head.h"
 #include "programs/commands/output_check.h"
 #include "programs/commands/progress.h"
@@ -36,7 +38,11 @@ struct PanTiltArguments {
   std::vector<std::string> recordings;
   std::string config, camera, out;
   std::string stops;
+  std::string progress;  // "json", or nothing
+  bool tap = false;
 };
+
+[[noreturn]] void refuse_usage(const std::string& what) { throw StartupError(ExitStatus::kWrongUsage, what); }
 
 /// "7x5"
 std::pair<int, int> read_stops(const std::string& text) {
@@ -47,8 +53,7 @@ std::pair<int, int> read_stops(const std::string& text) {
   const auto [last, no_rows] = std::from_chars(std::min(x + 1, end), end, rows);
   if (no_columns != std::errc() || no_rows != std::errc() || *x != 'x' || last != end ||
       std::min(columns, rows) < kLeast || std::max(columns, rows) > kMost)
-    throw StartupError(ExitStatus::kWrongUsage,
-                       fmt::format("--stops {}: write COLUMNSxROWS, {} to {} of each, as 7x5", text, kLeast, kMost));
+    refuse_usage(fmt::format("--stops {}: write COLUMNSxROWS, {} to {} of each, as 7x5", text, kLeast, kMost));
   return {columns, rows};
 }
 
@@ -58,14 +63,16 @@ void refuse(const std::vector<std::string>& lacks) {
 }
 
 HeadCalibration calibrate(const std::vector<HeadFrame>& frames, const LandmarkGeometry& landmark, const Config& config,
-                          const TerminationSignals& signals) {
+                          const TerminationSignals& signals, HeadNews* news) {
   const FoundStops found = find_stops(frames);
   refuse(what_stops_lack(found));
   Progress progress;
   bool is_stopped = false;
   const auto head = calibrate_head(found.stops, landmark, body_geometry(config.body), [&] {
-    progress.show(fmt::format("{} stops: working out the head", found.stops.size()));
-    is_stopped = is_stopped || signals.wait(0ns) != 0;
+    const std::string words = fmt::format("{} stops: working out the head", found.stops.size());
+    progress.show(words);
+    if (news != nullptr) news->working(words);
+    is_stopped = is_stopped || signals.wait(0ns) != 0 || (news != nullptr && news->is_broken());
     return !is_stopped;
   });
   progress.clear();
@@ -81,22 +88,29 @@ void refuse_repeated(const std::vector<std::string>& recordings) {
   for (std::size_t i = 0; i < recordings.size(); ++i)
     for (std::size_t other = 0; other < i; ++other)
       if (std::filesystem::equivalent(recordings[i], recordings[other], ignored))
-        throw StartupError(ExitStatus::kWrongUsage, fmt::format("{} is given twice: once is enough", recordings[i]));
+        refuse_usage(fmt::format("{} is given twice: once is enough", recordings[i]));
 }
 
-void run_pan_tilt(const PanTiltArguments& arguments) {
-  const auto [columns, rows] = read_stops(arguments.stops.empty() ? "7x5" : arguments.stops);
-  if (!arguments.recordings.empty() && !arguments.stops.empty())
-    throw StartupError(ExitStatus::kWrongUsage,
-                       "--stops is for a head that is moved now: leave it out, or the recordings");
-  if (arguments.recordings.empty() && !arguments.camera.empty())
-    throw StartupError(ExitStatus::kWrongUsage,
-                       "--camera belongs to recordings: a camera that is opened has camera.calibration");
+void check_arguments(const PanTiltArguments& arguments) {
+  const bool is_live = arguments.recordings.empty();
+  if (!is_live && !arguments.stops.empty())
+    refuse_usage("--stops is for a head that is moved now: leave it out, or the recordings");
+  if (!is_live && arguments.tap)
+    refuse_usage("--tap moves a running service's head, and recordings have moved: leave out the one or the other");
+  if (is_live && !arguments.camera.empty())
+    refuse_usage("--camera belongs to recordings: a camera that is opened has camera.calibration");
+  if (!arguments.progress.empty() && arguments.out == "-")
+    refuse_usage("--progress and --out - would both write to standard output: name a file");
   check_named({"--out", arguments.out});
   refuse_repeated(arguments.recordings);
   std::vector<std::string> inputs = arguments.recordings;
   inputs.insert(inputs.end(), {arguments.config, arguments.camera});
   check_outputs({{"--out", arguments.out}}, inputs);
+}
+
+void calibrate_pan_tilt(const PanTiltArguments& arguments, HeadNews* news) {
+  const auto [columns, rows] = read_stops(arguments.stops.empty() ? "7x5" : arguments.stops);
+  check_arguments(arguments);
   const Config config = read_config(arguments.config);
   const TerminationSignals signals;  // before the first thread
   OutputFile out(arguments.out);     // before the work, so that a folder that is not there is told at once
@@ -104,7 +118,7 @@ void run_pan_tilt(const PanTiltArguments& arguments) {
   std::vector<HeadFrame> frames;
   std::string source = "a tour of the head";
   if (arguments.recordings.empty()) {
-    LiveTour tour = tour_live(config, columns, rows, signals, landmark);
+    LiveTour tour = tour_live(config, {columns, rows, arguments.tap ? arguments.config : "", news}, signals, landmark);
     if (tour.is_interrupted)
       fmt::print(stderr, "ninedot: interrupted, the head stands: what follows is of the stops until then\n");
     frames = std::move(tour.frames);
@@ -112,10 +126,23 @@ void run_pan_tilt(const PanTiltArguments& arguments) {
     frames = collect_head_frames(arguments.recordings, arguments.camera, config, landmark);
     source = fmt::format("{}", fmt::join(arguments.recordings, ", "));
   }
-  const HeadCalibration head = calibrate(frames, landmark, config, signals);
+  const HeadCalibration head = calibrate(frames, landmark, config, signals, news);
   out.write(head_file_text(head, config, source));
   out.finish();
-  for (const std::string& line : head_summary(head)) fmt::print(stderr, "{}\n", line);
+  const std::vector<std::string> lines = head_summary(head);
+  for (const std::string& line : lines) fmt::print(stderr, "{}\n", line);
+  if (news != nullptr) news->done(head, lines, arguments.out);
+}
+
+void run_pan_tilt(const PanTiltArguments& arguments) {
+  if (arguments.progress.empty()) return calibrate_pan_tilt(arguments, nullptr);
+  HeadNews news(STDOUT_FILENO);
+  try {
+    calibrate_pan_tilt(arguments, &news);
+  } catch (const StartupError& error) {
+    news.failed(error.what());
+    throw;
+  }
 }
 
 }  // namespace
@@ -136,6 +163,13 @@ void add_calibrate_pan_tilt_command(CLI::App& group) {
   command->add_option(
       "--stops", arguments->stops,
       "without a recording: COLUMNSxROWS of stops, 3 to 25 of each, and between the rows again; default: 7x5");
+  command->add_flag("--tap", arguments->tap,
+                    "move the head of the service that runs with --config, which goes on meanwhile; its [tap] must be "
+                    "on, and modbus.allow_writes");
+  command
+      ->add_option("--progress", arguments->progress,
+                   "json: a line on standard output for each step, for another program")
+      ->check(CLI::IsMember({"json"}));
   command->add_option("--out", arguments->out, "file for the sections of the configuration; -: standard output")
       ->required();
   command->callback([arguments] { run_pan_tilt(*arguments); });

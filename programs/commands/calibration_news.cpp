@@ -3,26 +3,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <chrono>
 #include <cmath>
 #include <span>
 
 #include "base/json_text.h"
-#include "drivers/posix/whole_file.h"
 #include "programs/commands/calibration_output.h"
 
 namespace ninedot {
 namespace {
-
-using namespace std::chrono_literals;
-
-constexpr auto kPeriod = 200ms;
-
-std::string texts_json(const std::vector<std::string>& texts) {
-  std::string json;
-  for (const std::string& text : texts) json.append(json.empty() ? "" : ",").append(json_text(text));
-  return fmt::format("[{}]", json);
-}
 
 std::string polygon_json(std::span<const Eigen::Vector2d> points_px) {
   std::string json;
@@ -60,8 +48,6 @@ std::string number_json(double value) { return std::isfinite(value) ? fmt::forma
 
 }  // namespace
 
-bool CalibrationNews::is_due() const noexcept { return mono_now() - said_at_ >= kPeriod; }
-
 void CalibrationNews::gathering(const GatheringState& state, std::span<const Eigen::Vector2d> sheet_px,
                                 const SheetGhost& ghost) {
   say(fmt::format(
@@ -69,10 +55,6 @@ void CalibrationNews::gathering(const GatheringState& state, std::span<const Eig
       state.tally.views, texts_json(state.wanted), texts_json(state.lens_lacks), fmt::join(state.tally.parts, ","),
       fmt::join(state.tally.tilts, ","), state.tally.near, word_of(state.looked),
       state.part ? std::to_string(*state.part) : "null", polygon_json(sheet_px), ghost_json(ghost)));
-}
-
-void CalibrationNews::working(std::string_view what) {
-  if (is_due()) say(fmt::format(R"({{"state":"solving","what":{}}})", json_text(what)));
 }
 
 void CalibrationNews::done(const LensCalibration& result, const std::vector<std::string>& lines, const std::string& out,
@@ -83,17 +65,6 @@ void CalibrationNews::done(const LensCalibration& result, const std::vector<std:
       name_of(camera.model), camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px, result.views.size(),
       number_json(result.rms_px), number_json(result.directions.median_px()), number_json(result.directions.max_px()),
       texts_json(lines), json_text(wish_for_views(result)), json_text(out), json_text(picture)));
-}
-
-void CalibrationNews::failed(std::string_view why) {
-  say(fmt::format(R"({{"state":"failed","why":{}}})", json_text(why)));
-}
-
-void CalibrationNews::say(std::string line) {
-  said_at_ = mono_now();
-  line += '\n';
-  if (!write_all(fd_, {reinterpret_cast<const std::uint8_t*>(line.data()), line.size()}, write_to_disk))
-    is_broken_ = true;
 }
 
 }  // namespace ninedot

@@ -22,34 +22,36 @@ HeadTourOptions tour_options(const Config& config, const CameraModel& camera, in
   return options;
 }
 
-HeadTourDrive::HeadTourDrive(const HeadTourOptions& options, HeadOutput& head) : tour_(options), head_(head) {
-  order();
+void OutputHead::go(const HeadAngles& goal) { head_.order({.follow = false, .set_point = goal, .number = ++number_}); }
+
+TouredHead::State OutputHead::state(const Frame& frame) {
+  const HeadSnapshot& head = head_.snapshots().take();
+  return {head.track.at(frame.exposed_at()), head.failed, head.inhibited,
+          head.order == number_ ? head.progress : OrderProgress::kNone};
 }
 
-void HeadTourDrive::order() { head_.order({.follow = false, .set_point = tour_.goal(), .number = ++number_}); }
+HeadTourDrive::HeadTourDrive(const HeadTourOptions& options, TouredHead& head) : tour_(options), head_(head) {
+  head_.go(tour_.goal());
+}
 
 void HeadTourDrive::take(const Frame& frame, const Fix& fix) {
-  const HeadSnapshot& head = head_.snapshots().take();
-  is_failing_ = head.failed;
-  is_inhibited_ = head.inhibited;
-  told_ = head.track.at(frame.exposed_at());
+  head_now_ = head_.state(frame);
   const bool was_held = is_held_;
-  is_held_ = is_inhibited_ || is_failing_;
+  is_held_ = is_inhibited() || is_failing();
   if (is_held_) return;
-  if (was_held) return order();  // what it was told before has failed
-  frames_.push_back(head_frame_of(fix, frame.exposed_at(), told_, 0));
-  if (head.order != number_) return;
-  const bool has_failed = head.progress == OrderProgress::kFailed;  // its pulses end before, or it comes too late
-  if (!has_failed && head.progress != OrderProgress::kDone) return;
+  if (was_held) return head_.go(tour_.goal());  // what it was told before has failed
+  frames_.push_back(head_frame_of(fix, frame.exposed_at(), told(), 0));
+  const bool has_failed = head_now_.progress == OrderProgress::kFailed;  // its pulses end before, or it comes too late
+  if (!has_failed && head_now_.progress != OrderProgress::kDone) return;
   if (tour_.part() == HeadTour::Part::kHome) {
     is_over_ = true;
     return;
   }
   if (has_failed) {
     tour_.skip();
-    order();
+    head_.go(tour_.goal());
   } else if (tour_.look(direction_in(frames_.back()))) {
-    order();
+    head_.go(tour_.goal());
   }
 }
 

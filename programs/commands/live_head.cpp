@@ -13,16 +13,14 @@
 #include "base/units.h"
 #include "calibrate_head/head_sufficiency.h"
 #include "config/head_options.h"
-#include "drivers/modbus/tcp_server.h"
-#include "drivers/posix/listening_program.h"
-#include "drivers/posix/realtime.h"
-#include "outputs/output_thread.h"
 #include "programs/assembly/localiser_options.h"
 #include "programs/assembly/make_localiser.h"
-#include "programs/assembly/open_head.h"
 #include "programs/assembly/open_source.h"
 #include "programs/commands/head_tour_drive.h"
+#include "programs/commands/own_head.h"
 #include "programs/commands/progress.h"
+#include "programs/commands/service_head.h"
+#include "programs/commands/tapped_source.h"
 
 namespace ninedot {
 namespace {
@@ -51,53 +49,6 @@ void check_usage(const Config& config) {
                       name, axis->max_deg - axis->min_deg, kLeastTravel_rad * kDegPerRad));
 }
 
-/// Not every head and camera can be held by one program only, so the port is asked as well.
-void check_no_service(const ModbusTcpConfig& tcp) {
-  if (!tcp.enabled || try_listen(tcp.listen, tcp.port) || find_listener("ninedotd", tcp.port) == Listening::kNo) return;
-  give_up(fmt::format("port {} is a running ninedotd's, which moves the head: stop it first (systemctl stop ninedotd)",
-                      tcp.port));
-}
-
-/// The service's own first order would be to follow the landmark, by the numbers that are to be found.
-Config without_following(Config config) {
-  config.pan_tilt.follow = config.pan_tilt.search_at_start = false;
-  return config;
-}
-
-/// A head with the thread that moves it.
-class MovedHead {
- public:
-  MovedHead(const Config& config, const CameraModel& camera, const std::shared_ptr<HeadLine>& line)
-      : head_(open_head(without_following(config), camera, line, false)),
-        priority_(std::max(0, config.service.realtime_priority - 1), "head") {
-    thread_.emplace(reports_, *head_.output, priority_, HeadOutput::kPeriod);
-  }
-  /// No order reaches it any more, and it ends its motion; then its signals and its power go.
-  ~MovedHead() {
-    thread_.reset();
-    head_.servos->stop();
-  }
-  MovedHead(const MovedHead&) = delete;
-  MovedHead& operator=(const MovedHead&) = delete;
-
-  HeadOutput& output() { return *head_.output; }
-  /// Of head, inhibit input or lamp: why it is not in use. Empty: all are. \param is_inhibited  an input that is there
-  /// keeps the head from being opened
-  std::string problem(bool is_inhibited) const {
-    for (const WatchedDevice& device : head_.devices) {
-      if (is_inhibited && device.name == "pan/tilt") continue;
-      if (std::string what = device.problem(); !what.empty()) return fmt::format("{}: {}", device.name, what);
-    }
-    return {};
-  }
-
- private:
-  OpenedHead head_;
-  Mailbox<Report> reports_;  // stays empty: nothing is followed
-  RealtimeThread priority_;
-  std::optional<OutputThread> thread_;
-};
-
 /// "pan -45 to 45 deg, tilt -20 to 20 deg"
 std::string limits_text(const PanTiltConfig& head) {
   return fmt::format("pan {:g} to {:g} deg, tilt {:g} to {:g} deg", head.pan.min_deg, head.pan.max_deg,
@@ -106,35 +57,50 @@ std::string limits_text(const PanTiltConfig& head) {
 
 class Tour {
  public:
-  Tour(const Config& config, int columns, int rows, const TerminationSignals& signals) : signals_(signals) {
-    source_ = open_calibrated_source(config, FrameDemand::kNewest, calibration_);
-    if (!source_.refusal.empty()) give_up(source_.refusal);
+  Tour(const Config& config, const LiveTourOptions& tour, const TerminationSignals& signals)
+      : signals_(signals), news_(tour.news) {
+    open_camera(config, tour);
     const LocaliserOptions options = localiser_options(config);
     landmark_ = options.seeker.landmark;
     localiser_ = make_localiser(calibration_.camera, options);
     fmt::print(stderr,
                "the head will move, within {}: it looks for a landmark and makes some {} stops before it; Ctrl-C stops "
                "it\n",
-               limits_text(config.pan_tilt), columns * (2 * rows - 1));
-    head_.emplace(config, calibration_.camera, source_.head_line);
-    drive_.emplace(tour_options(config, calibration_.camera, columns, rows), head_->output());
+               limits_text(config.pan_tilt), tour.columns * (2 * tour.rows - 1));
+    if (tour.through_service.empty())
+      head_ = open_own_head(config, calibration_.camera, source_.head_line);
+    else
+      head_ = std::make_unique<ServiceHead>(config);
+    drive_.emplace(tour_options(config, calibration_.camera, tour.columns, tour.rows), *head_);
   }
 
   LiveTour run() {
     LiveTour result;
     last_frame_at_ = answered_at_ = mono_now();
     while (!drive_->is_over() && !result.is_interrupted) {
-      result.is_interrupted = signals_.wait(0ns) != 0;
+      result.is_interrupted = signals_.wait(0ns) != 0 || (news_ != nullptr && news_->is_broken());
       if (!result.is_interrupted) look();
     }
-    head_.reset();  // at once: what follows takes its time
     result.frames = drive_->frames();
+    drive_.reset();
+    head_.reset();  // at once: what follows takes its time
     return result;
   }
 
   const LandmarkGeometry& landmark() const { return landmark_; }
 
  private:
+  void open_camera(const Config& config, const LiveTourOptions& tour) {
+    if (!tour.through_service.empty()) {
+      calibration_ = read_camera_calibration(config.camera);
+      source_ = open_tapped_source(tour.through_service, config);
+      return;
+    }
+    check_no_service(config.modbus_tcp);
+    source_ = open_calibrated_source(config, FrameDemand::kNewest, calibration_);
+    if (!source_.refusal.empty()) give_up(source_.refusal);
+  }
+
   void look() {
     const Result<FrameLease> lease = source_.frames->next(mono_now() + kBetweenLooks);
     if (!lease) {
@@ -152,7 +118,7 @@ class Tour {
   }
 
   void check_head() {
-    const std::string problem = head_->problem(drive_->is_inhibited());
+    const std::string problem = head_->problem();
     if (problem.empty() && (drive_->is_inhibited() || !drive_->is_failing())) answered_at_ = mono_now();
     if (mono_now() - answered_at_ > kPatience)
       give_up(problem.empty() ? "the head does not answer: `ninedot check` looks at its devices" : problem);
@@ -164,17 +130,20 @@ class Tour {
   }
 
   void show() {
-    if (!progress_.is_due()) return;
     const HeadTour& tour = drive_->tour();
     const std::size_t planned = tour.stops_planned();
+    const bool is_seen = !drive_->frames().empty() && !drive_->frames().back().seen.empty();
+    if (news_ != nullptr && news_->is_due())
+      news_->moving({tour.part(), tour.stops_made(), planned, drive_->told(), is_seen, drive_->is_inhibited()});
+    if (!progress_.is_due()) return;
     progress_.show(fmt::format("{}: stop {}{}, pan {:.1f}, tilt {:.1f} deg, {}; Ctrl-C stops the head",
                                name_of(tour.part()), tour.stops_made() + 1,
                                planned > 0 ? fmt::format(" of {}", planned) : std::string(),
                                drive_->told().pan_rad * kDegPerRad, drive_->told().tilt_rad * kDegPerRad,
-                               drive_->is_inhibited()                 ? "inhibited"
-                               : drive_->frames().empty()             ? "no picture yet"
-                               : drive_->frames().back().seen.empty() ? "no landmark"
-                                                                      : "landmark in sight"));
+                               drive_->is_inhibited()     ? "inhibited"
+                               : drive_->frames().empty() ? "no picture yet"
+                               : is_seen                  ? "landmark in sight"
+                                                          : "no landmark"));
   }
 
   static const char* name_of(HeadTour::Part part) {
@@ -192,11 +161,12 @@ class Tour {
   }
 
   const TerminationSignals& signals_;
+  HeadNews* const news_;
   CameraCalibration calibration_;
   OpenedSource source_;
   LandmarkGeometry landmark_;
   std::unique_ptr<FrameProcessor> localiser_;
-  std::optional<MovedHead> head_;
+  std::unique_ptr<TouredHead> head_;
   std::optional<HeadTourDrive> drive_;
   Progress progress_;
   MonoTime last_frame_at_{}, answered_at_{};
@@ -205,11 +175,10 @@ class Tour {
 
 }  // namespace
 
-LiveTour tour_live(const Config& config, int columns, int rows, const TerminationSignals& signals,
+LiveTour tour_live(const Config& config, const LiveTourOptions& options, const TerminationSignals& signals,
                    LandmarkGeometry& landmark) {
   check_usage(config);
-  check_no_service(config.modbus_tcp);
-  Tour tour(config, columns, rows, signals);
+  Tour tour(config, options, signals);
   landmark = tour.landmark();
   return tour.run();
 }

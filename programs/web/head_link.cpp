@@ -14,21 +14,6 @@ constexpr std::uint16_t kRead = reg::kClientWatchdog;
 // controller comes to by counting would make it wait for its own command in vain.
 constexpr std::array<std::uint16_t, 3> kSequences{0x9D0A, 0xA9D0, 0xD09A};
 
-bool follows(std::uint16_t state) {
-  switch (static_cast<AimState>(state)) {
-    case AimState::kSearch:
-    case AimState::kAcquire:
-    case AimState::kTrack:
-    case AimState::kCoast:
-      return true;
-    case AimState::kNone:
-    case AimState::kHold:
-    case AimState::kPark:
-      break;
-  }
-  return false;
-}
-
 std::array<std::uint16_t, 2> words_of(const HeadDegrees& to) {
   std::array<std::uint16_t, 2> words{};
   encode_value(*find_register(reg::kPanSetPoint), to.pan_deg, {}, std::span(words).first(1));
@@ -70,7 +55,7 @@ Result<HeadView> HeadLink::look() {
   view.writes_enabled = reader.status(status_bit::kWritesEnabled);
   view.inhibited = reader.status(status_bit::kInhibited);
   view.failed = reader.status(status_bit::kServoFault);
-  view.follows_by_state = follows(state[0]);
+  view.follows_by_state = follows(static_cast<AimState>(state[0]));
   if (!is_of_page(view)) next_one_ = static_cast<std::uint16_t>(seen_ + 1);
   return view;
 }

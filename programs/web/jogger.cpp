@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/json_text.h"
+#include "programs/assembly/modbus_options.h"
 
 namespace ninedot {
 namespace {
@@ -42,7 +43,9 @@ const char* name_of(JogLease::Phase phase) {
   return "free";
 }
 
-std::string why_not(const Config& config, bool has_token) {
+}  // namespace
+
+std::string why_no_head(const Config& config, bool has_token) {
   if (config.pan_tilt.driver == "none") return "No pan/tilt head is configured: set `driver` of [pan_tilt].";
   if (!config.modbus_tcp.enabled)
     return "The page moves the head as a Modbus client: give the configuration a [modbus.tcp].";
@@ -53,13 +56,9 @@ std::string why_not(const Config& config, bool has_token) {
   return "";
 }
 
-}  // namespace
-
 JoggerOptions jogger_options(const Config& config, bool has_token) {
-  const std::string& listen = config.modbus_tcp.listen;
-  return {why_not(config, has_token),     config.pan_tilt.driver,
-          config.pan_tilt.follow,         jog_axis(config.pan_tilt.pan),
-          jog_axis(config.pan_tilt.tilt), listen == "0.0.0.0" ? "127.0.0.1" : listen == "::" ? "::1" : listen,
+  return {why_no_head(config, has_token), config.pan_tilt.driver,         config.pan_tilt.follow,
+          jog_axis(config.pan_tilt.pan),  jog_axis(config.pan_tilt.tilt), address_from_here(config.modbus_tcp),
           config.modbus_tcp.port};
 }
 

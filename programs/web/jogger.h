@@ -26,7 +26,10 @@ struct JoggerOptions {
   std::uint16_t port = 0;
 };
 
-/// \param has_token  without one nothing may be moved
+/// For people: why no page may move the head; empty: it may. \param has_token  without one nothing is moved
+std::string why_no_head(const Config& config, bool has_token);
+
+/// \param has_token  as above
 JoggerOptions jogger_options(const Config& config, bool has_token);
 
 /// What is answered to a page: always the whole state.

@@ -1,5 +1,6 @@
 """`ninedot calibrate pan-tilt` live: a simulated camera on a simulated head of which the configuration says nothing right."""
 
+import json
 import os
 import pathlib
 import pty
@@ -13,7 +14,10 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(__file__))
-from service_harness import BIN, PATIENCE_S, Service, free_port, run
+from service_harness import BIN, PATIENCE_S, Client, Service, free_port, run
+
+# Register of the head's state, and its values: a head that follows by wrong numbers need not come near the landmark.
+HEAD_STATE, FOLLOWS, HOLD = 146, (1, 2, 3, 4), 5
 
 # The fewest stops at the highest rate, so that it takes a quarter of a minute.
 SCENARIO = """[camera]
@@ -145,6 +149,85 @@ class CalibrateLive(unittest.TestCase):
         with Service(served) as service:
             service.wait_for_log("read the position")
             self.assertIn(f"port {port} is a running ninedotd's", self.refusal(served))
+
+    def served(self, more="[modbus]\nallow_writes = true\n"):
+        """The scenario with what `--tap` needs, and its port."""
+        port = free_port()
+        return SCENARIO + f'{more}[tap]\nenabled = true\npath = "{self.folder}/tap"\n[modbus.tcp]\nlisten = "127.0.0.1"\nport = {port}\n', port
+
+    @staticmethod
+    def head_state(client):
+        return client.read(HEAD_STATE, 1)[0]
+
+    def wait_until_it_follows(self, client):
+        client.wait_for(lambda registers: self.head_state(client) in FOLLOWS)
+
+    def begin(self, served, *options):
+        """A tour through the service that has come as far as its stops."""
+        process = subprocess.Popen([BIN / "ninedot", *self.command(served, "--tap", "--stops", "4x3", "--progress", "json", *options)],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for line in process.stdout:
+            if json.loads(line).get("part") == "stops":
+                return process
+        self.fail(process.stderr.read())
+
+    def test_through_a_running_service_it_goes_on_and_the_head_follows_again(self):
+        served, port = self.served()
+        with Service(served) as service, Client(port=port) as client:
+            self.wait_until_it_follows(client)
+            result = run("ninedot", *self.command(served, "--tap", "--stops", "4x3", "--progress", "json"))
+            self.assertEqual(result.returncode, 0, result.stderr)
+            news = [json.loads(line) for line in result.stdout.splitlines()]
+            self.assertEqual([*dict.fromkeys(line.get("part") for line in news)], ["find", "reach", "stops", "home", None])
+            self.assertEqual(news[-1]["state"], "done")
+            self.assertLess(news[-1]["foretold_deg"], 0.5)
+            self.assertGreater(news[-1]["before_deg"], 2)
+            self.assertGreaterEqual(news[-1]["stops"], 15)
+            self.assertTrue(all(-16.01 < line["pan_deg"] < 16.01 and -14.01 < line["tilt_deg"] < 14.01 for line in news if line["state"] == "moving"))
+            camera = [float(number) for number in re.search(r"camera_mm = \[(.*?)\]", self.out.read_text())[1].split(",")]
+            for found, true in zip(camera, (30, -8, 20)):
+                self.assertAlmostEqual(found, true, delta=6, msg=self.out.read_text())
+            self.wait_until_it_follows(client)
+            self.assertEqual(service.end()[0], 0)
+
+    def test_however_it_ends_the_head_follows_again(self):
+        served, port = self.served()
+        with Service(served) as service, Client(port=port) as client:
+            self.wait_until_it_follows(client)
+            for number in (signal.SIGINT, signal.SIGKILL, None):
+                process = self.begin(served)
+                self.assertEqual(self.head_state(client), HOLD)
+                process.stdout.close() if number is None else process.send_signal(number)  # None: nobody listens any more
+                began = time.monotonic()
+                self.wait_until_it_follows(client)
+                self.assertLess(time.monotonic() - began, 3)
+                process.wait(PATIENCE_S)
+                process.stderr.close()
+                process.stdout.close()
+
+    def test_who_sends_the_head_elsewhere_meanwhile_keeps_it(self):
+        served, port = self.served()
+        with Service(served) as service, Client(port=port) as client:
+            self.wait_until_it_follows(client)
+            process = self.begin(served)
+            self.assertEqual(run("ninedot", "aim", "--pan-deg", "5", "--port", str(port)).returncode, 0)
+            news, said = process.communicate(timeout=PATIENCE_S)
+            self.assertEqual(process.returncode, 1, said)
+            self.assertIn("another client has sent the head elsewhere", said.splitlines()[-1])
+            self.assertEqual(json.loads(news.splitlines()[-1])["state"], "failed")
+            time.sleep(1)
+            self.assertEqual((self.head_state(client), client.read(37, 1)[0]), (HOLD, 500))
+            # And nobody takes it from whoever has it.
+            self.assertIn("a controller has sent the head where it is", self.refusal(served, "--tap"))
+            self.assertEqual((self.head_state(client), client.read(37, 1)[0]), (HOLD, 500))
+
+    def test_a_service_that_takes_no_commands_or_has_no_tap_is_one_line(self):
+        served, port = self.served(more="")
+        with Service(served) as service:
+            service.wait_for_log("read the position")
+            self.assertIn("set modbus.allow_writes = true", self.refusal(served, "--tap"))
+            self.assertIn("write `enabled = true` under [tap]", self.refusal(SCENARIO, "--tap"))
+        self.assertIn(f"{self.folder}/tap", self.refusal(served, "--tap"))
 
     def test_a_head_that_does_not_answer_is_one_line(self):
         absent = SCENARIO.replace('driver = "simulated"', 'driver = "visca"\ndevice = "/dev/none"')

@@ -87,7 +87,7 @@ class VirtualTour {
         source_(simulation_options(config, camera_, 7), line_, clock_),
         servos_(line_, clock_, start_angles(config.pan_tilt)),
         head_(camera_, aim_options(config.pan_tilt), servos_, &inhibit, {false, start_angles(config.pan_tilt)}),
-        drive_(tour_options(config, camera_, columns, rows), head_),
+        drive_(tour_options(config, camera_, columns, rows), toured_),
         localiser_(make_localiser(camera_, localiser_options(config))) {}
 
   /// \param writer  null: nothing is recorded
@@ -116,6 +116,7 @@ class VirtualTour {
   SimulatedCamera source_;
   SimulatedHead servos_;
   HeadOutput head_;
+  OutputHead toured_{head_};
   HeadTourDrive drive_;
   const std::unique_ptr<FrameProcessor> localiser_;
 };
