@@ -2,8 +2,8 @@
 /// What is answered under /api/calibrate:
 ///
 ///     GET  /api/calibrate                   how the newest calibration fares, and whether one may begin
-///     GET  /api/calibrate/NAME/camera.yaml  what one made; camera.svg: its picture
-///     POST /api/calibrate                   "start camera", "finish", "cancel"
+///     GET  /api/calibrate/NAME/camera.yaml  what one made; camera.svg: its picture; head.toml: of a head
+///     POST /api/calibrate                   "start camera", "start pan-tilt", "finish", "cancel", "use NAME"
 #include "programs/web/calibration_desk.h"
 #include "programs/web/http_answer.h"
 

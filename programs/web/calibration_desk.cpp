@@ -20,6 +20,7 @@
 #include "drivers/posix/child_program.h"
 #include "drivers/posix/text_file.h"
 #include "programs/web/access.h"
+#include "programs/web/jogger.h"
 #include "programs/web/recording_name.h"
 
 namespace ninedot {
@@ -29,7 +30,7 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
 constexpr auto kLook = 200ms;
-constexpr std::string_view kCalibration = "camera.yaml", kPicture = "camera.svg";
+constexpr std::string_view kCalibration = "camera.yaml", kPicture = "camera.svg", kHeadFile = "head.toml";
 constexpr std::string_view kUse = "use ";
 
 /// The oldest first.
@@ -42,10 +43,14 @@ std::vector<fs::path> kept_in(const fs::path& folder) {
   return kept;
 }
 
+std::string limits_of(const HeadAxisConfig& axis) {
+  return fmt::format(R"({{"min":{},"max":{}}})", axis.min_deg, axis.max_deg);
+}
+
 std::string_view state_of(std::string_view line) {
-  constexpr std::string_view kHead = R"({"state":")";
-  if (!line.starts_with(kHead)) return {};
-  line.remove_prefix(kHead.size());
+  constexpr std::string_view kStart = R"({"state":")";
+  if (!line.starts_with(kStart)) return {};
+  line.remove_prefix(kStart.size());
   return line.substr(0, line.find('"'));
 }
 
@@ -53,8 +58,13 @@ std::string_view state_of(std::string_view line) {
 
 CalibrationDeskOptions calibration_desk_options(const Config& config, const std::string& config_path,
                                                 const std::string& program, bool has_token) {
-  CalibrationDeskOptions options{
-      {}, program, config_path, config.camera.calibration, config.web.recordings + "/calibrations", has_token};
+  CalibrationDeskOptions options;
+  options.program = program, options.config_path = config_path, options.has_token = has_token;
+  options.calibration = config.camera.calibration;
+  options.folder = config.web.recordings + "/calibrations";
+  options.no_head = why_no_head(config, has_token);
+  options.limits =
+      fmt::format(R"({{"pan":{},"tilt":{}}})", limits_of(config.pan_tilt.pan), limits_of(config.pan_tilt.tilt));
   if (config.web.recordings.empty())
     options.why_not =
         "There is no place for a calibration: set `recordings` of [web], to \"/var/lib/ninedot-web\" for instance.";
@@ -77,14 +87,15 @@ CalibrationDesk::~CalibrationDesk() {
 
 DeskReply CalibrationDesk::reply_to(std::string_view text) {
   if (!options_.why_not.empty()) return {403, options_.why_not + "\n"};
-  if (text == "start camera") return start();
+  if (text == "start camera") return start(false);
+  if (text == "start pan-tilt") return options_.no_head.empty() ? start(true) : DeskReply{403, options_.no_head + "\n"};
   if (text == "finish") return signal_child(SIGINT, Phase::kRunning);
   if (text == "cancel") return signal_child(SIGKILL, Phase::kCancelled);
   if (text.starts_with(kUse)) return use(text.substr(kUse.size()));
-  return {400, "Say start camera, finish, cancel, or use and which one.\n"};
+  return {400, "Say start camera, start pan-tilt, finish, cancel, or use and which one.\n"};
 }
 
-DeskReply CalibrationDesk::start() {
+DeskReply CalibrationDesk::start(bool of_head) {
   const std::lock_guard one(one_at_a_time_);
   {
     const std::lock_guard lock(mutex_);
@@ -105,16 +116,17 @@ DeskReply CalibrationDesk::start() {
   FileDescriptor told(ends[0]);
   const FileDescriptor tells(ends[1]);
   // What it says to people is in its lines as well.
-  const Result<pid_t> child =
-      start_program({options_.program, "calibrate", "camera", "--tap", "--config", options_.config_path, "--out",
-                     (folder / kCalibration).string(), "--progress", "json"},
-                    tells.get(), -1);
+  const Result<pid_t> child = start_program(
+      {options_.program, "calibrate", of_head ? "pan-tilt" : "camera", "--tap", "--config", options_.config_path,
+       "--out", (folder / (of_head ? kHeadFile : kCalibration)).string(), "--progress", "json"},
+      tells.get(), -1);
   if (!child) {
     fs::remove_all(folder, error);
     return {500, fmt::format("{} can't be started: {}\n", options_.program, std::strerror(child.error().os_errno))};
   }
   const std::lock_guard lock(mutex_);
   child_ = *child;
+  of_head_ = of_head;
   phase_ = Phase::kRunning;
   name_ = name;
   news_.clear(), why_.clear();
@@ -134,10 +146,13 @@ DeskReply CalibrationDesk::signal_child(int number, Phase phase) {
 }
 
 DeskReply CalibrationDesk::use(std::string_view name) {
-  const std::string file = file_of(fmt::format("{}/{}", name, kCalibration));
+  std::error_code none;
+  const bool of_head = fs::exists(file_of(fmt::format("{}/{}", name, kHeadFile)), none);
+  const std::string file = file_of(fmt::format("{}/{}", name, of_head ? kHeadFile : kCalibration));
   if (file.empty()) return {400, "There is no such calibration.\n"};
   try {
-    return request_.begin("calibration", read_text_file(file, kMostLargeBody_bytes), options_.has_token);
+    return request_.begin(of_head ? "head" : "calibration", read_text_file(file, kMostLargeBody_bytes),
+                          options_.has_token);
   } catch (const StartupError& error) {
     return {409, std::string(error.what()) + "\n"};
   }
@@ -153,16 +168,17 @@ std::string CalibrationDesk::state_json() {
 std::string CalibrationDesk::json() const {
   constexpr std::array<const char*, 5> kPhases{"idle", "running", "done", "failed", "cancelled"};
   return fmt::format(
-      R"({{"why_not":{},"use":{},"calibration":{},"config":{},"folder":{},"phase":"{}","number":{},"name":"{}","why":{},"news":{}}})",
+      R"({{"why_not":{},"use":{},"calibration":{},"config":{},"folder":{},"head":{{"why_not":{},"limits":{}}},"of":"{}","phase":"{}","number":{},"name":"{}","why":{},"news":{}}})",
       json_text(options_.why_not), json_text(request_.why_not(options_.has_token)), json_text(options_.calibration),
-      json_text(options_.config_path), json_text(options_.folder), kPhases[static_cast<std::size_t>(phase_)], number_,
-      name_, json_text(why_), news_.empty() ? "null" : news_);
+      json_text(options_.config_path), json_text(options_.folder), json_text(options_.no_head), options_.limits,
+      of_head_ ? "pan-tilt" : "camera", kPhases[static_cast<std::size_t>(phase_)], number_, name_, json_text(why_),
+      news_.empty() ? "null" : news_);
 }
 
 std::string CalibrationDesk::file_of(std::string_view path) const {
   const std::size_t slash = std::min(path.find('/'), path.size());
   const std::string_view name = path.substr(0, slash), file = path.substr(std::min(slash + 1, path.size()));
-  if (!is_time_name(name) || (file != kCalibration && file != kPicture)) return {};
+  if (!is_time_name(name) || (file != kCalibration && file != kPicture && file != kHeadFile)) return {};
   return fmt::format("{}/{}/{}", options_.folder, name, file);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// The wizard of `ninedot calibrate camera --tap` for the page: that program as a child, at most one, and what it says.
+/// The wizards of `ninedot calibrate camera --tap` and `calibrate pan-tilt --tap` for the page: that program as a
+/// child, at most one, and what it says.
 #include <sys/types.h>
 
 #include <chrono>
@@ -23,6 +24,8 @@ struct CalibrationDeskOptions {
   std::string calibration;  ///< that it names; empty: none
   std::string folder;       ///< in which calibrations lie, each in a folder of its own
   bool has_token = false;   ///< of the page
+  std::string no_head;      ///< as why_not, of the head alone
+  std::string limits;       ///< of the head, for the page: {"pan":{"min":-45,"max":45},"tilt":...} [deg]
 };
 
 /// \param program  as above \param has_token  without one nothing is begun
@@ -43,20 +46,21 @@ class CalibrationDesk {
   CalibrationDesk(const CalibrationDesk&) = delete;
   CalibrationDesk& operator=(const CalibrationDesk&) = delete;
 
-  /// \param text  "start camera", "finish": go on with the views that there are, "cancel", or "use NAME": that one is
-  /// to take the place of the service's; not a character more
+  /// \param text  "start camera", "start pan-tilt", "finish": go on with what there is by now, "cancel", or "use
+  /// NAME": that one is to take the place of the service's; not a character more
   /// \return  its status also: 400 not understood, 409 not now, 500 it could not be begun
   DeskReply reply_to(std::string_view text);
   /// What there is, for a page that is shown. \see docs/calibrating.md for the lines of the child in it
   std::string state_json();
-  /// \param path  what follows /api/calibrate/ : NAME/camera.yaml or NAME/camera.svg, to the last character
+  /// \param path  what follows /api/calibrate/ : NAME/camera.yaml, NAME/camera.svg or NAME/head.toml, to
+  /// the last character
   /// \return  where it lies; empty: it is none of these
   std::string file_of(std::string_view path) const;
 
  private:
   enum class Phase : std::uint8_t { kIdle, kRunning, kDone, kFailed, kCancelled };
 
-  DeskReply start();
+  DeskReply start(bool of_head);
   DeskReply signal_child(int number, Phase phase);
   DeskReply use(std::string_view name);
   std::string json() const;
@@ -73,6 +77,7 @@ class CalibrationDesk {
   pid_t child_ = -1;          // -1: none
   Phase phase_ = Phase::kIdle;
   std::uint32_t number_ = 0;
+  bool of_head_ = false;
   MonoTime asked_at_{};
   std::string name_;  // of the newest calibration
   std::string news_;  // its newest line

@@ -37,7 +37,8 @@ class CalibrationDeskTest : public testing::Test {
                            << "/words\n"
                            << work << "\n";
     fs::permissions(program, fs::perms::owner_all);
-    return {"", program.string(), "/etc/ninedot/ninedot.toml", "camera.yaml", (folder_ / "made").string(), true};
+    return {"", program.string(), "/etc/ninedot/ninedot.toml", "camera.yaml", (folder_ / "made").string(), true,
+            "", R"({"pan":1})"};
   }
 
   static std::string until(CalibrationDesk& desk, const std::string& words) {
@@ -221,11 +222,34 @@ TEST_F(CalibrationDeskTest, HandsOverTheOneThatIsToBeUsed) {
   EXPECT_EQ(CalibrationDesk(how, request).reply_to("use 20261123-121415").status, 403U);
 }
 
+TEST_F(CalibrationDeskTest, CalibratesTheHeadAsWell) {
+  const std::string socket = (folder_ / "socket").string();
+  ApplyRequest request(socket);
+  CalibrationDeskOptions how = options(R"(echo "[body]" > "${@:7:1}"; )" + std::string(kFinishes));
+  CalibrationDesk desk(how, request);
+  expect_part(desk.state_json(), R"("head":{"why_not":"","limits":{"pan":1}},"of":"camera",)");
+  EXPECT_EQ(desk.reply_to("start pan-tilt").status, 200U);
+  const std::string done = until(desk, R"("phase":"done")");
+  expect_part(done, R"("of":"pan-tilt")");
+  const std::string name = fs::directory_iterator(folder_ / "made")->path().filename();
+  EXPECT_EQ(text_of("words"), "calibrate pan-tilt --tap --config /etc/ninedot/ninedot.toml --out " +
+                                  desk.file_of(name + "/head.toml") + " --progress json\n");
+  test::Applier applier(socket, "up: it runs\n");
+  applier.serve(14);
+  ASSERT_EQ(desk.reply_to("use " + name).status, 202U);
+  EXPECT_EQ(applier.heard(), "head 7\n[body]\n");
+  how.no_head = "no head here";
+  CalibrationDesk headless(how, request);
+  expect_part(headless.state_json(), R"("head":{"why_not":"no head here")");
+  EXPECT_EQ(headless.reply_to("start pan-tilt").status, 403U);
+  EXPECT_EQ(made(), 1U);
+}
+
 TEST_F(CalibrationDeskTest, UnderstandsItsWordsAndNothingWhereItMayNot) {
   CalibrationDeskOptions how = options(kFinishes);
   CalibrationDesk desk(how, request_);
   for (const char* text :
-       {"", "start", "start camera ", "start pan-tilt", "start camera --out /etc/passwd", "cancel\n"})
+       {"", "start", "start camera ", "start pan-tilt --stops 25x25", "start camera --out /etc/passwd", "cancel\n"})
     EXPECT_EQ(desk.reply_to(text).status, 400U) << text;
   how.why_not = "no place";
   CalibrationDesk closed(how, request_);
@@ -237,6 +261,11 @@ TEST_F(CalibrationDeskTest, UnderstandsItsWordsAndNothingWhereItMayNot) {
   config.web.recordings = "/var/lib/ninedot-web";
   expect_part(calibration_desk_options(config, "c", "p", false).why_not, "set `token_file` of [web]");
   EXPECT_EQ(calibration_desk_options(config, "c", "p", true).why_not, "");
+  expect_part(calibration_desk_options(config, "c", "p", true).no_head, "set `driver` of [pan_tilt]");
+  config.pan_tilt.driver = "simulated", config.modbus_tcp.enabled = config.modbus.allow_writes = true;
+  config.pan_tilt.pan.min_deg = -40.5;
+  EXPECT_EQ(calibration_desk_options(config, "c", "p", true).no_head, "");
+  expect_part(calibration_desk_options(config, "c", "p", true).limits, R"({"pan":{"min":-40.5,"max":)");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #!/bin/bash
-# The page in headless Chromium, and hostile requests, against a running service: nine minutes.
+# The page in headless Chromium, and hostile requests, against a running service: twelve minutes.
 #   tests/web/run.sh [smoke|pictures]      pictures: build/release/web/
 # smoke: the part that ctest runs; pictures: those of docs/page.md, made anew. NINEDOT_BIN_DIR: where the programs are; default build/release/bin
 set -euo pipefail
@@ -28,10 +28,12 @@ if [[ ${1:-} == pictures ]]; then
   node --test --test-name-pattern "is shown" ar_test.mjs
   node --test --test-name-pattern "is shown" configuration_test.mjs
   node --test --test-name-pattern "is shown" calibrate_test.mjs
+  node --test --test-name-pattern "is shown" calibrate_head_test.mjs
   made=${NINEDOT_WEB_PICTURES:-${NINEDOT_BIN_DIR:-../../build/release/bin}/../web}
   cp "$made/live-light-desktop.png" ../../docs/page-live.png
   cp "$made/focus-light-desktop.png" ../../docs/page-focus.png
   cp "$made/calibrate-light-desktop.png" ../../docs/page-calibrate.png
+  cp "$made/calibrate-head-light-desktop.png" ../../docs/page-calibrate-head.png
   cp "$made/health-light-desktop.png" ../../docs/page-health.png
   cp "$made/registers-dark-desktop.png" ../../docs/page-registers.png
   cp "$made/map-light-desktop.png" ../../docs/page-map.png
@@ -47,6 +49,7 @@ node --test aim_test.mjs
 node --test recordings_test.mjs
 node --test configuration_test.mjs
 node --test calibrate_test.mjs
+node --test calibrate_head_test.mjs
 if [[ -d ../../programs/web/ar/node_modules ]]; then
   node --test ar_test.mjs
 else

@@ -2,11 +2,12 @@
 // and what came of it.
 import { Applying } from "./applying.js";
 import { Asking } from "./asking.js";
-import { element, fixed, saveAs, setText, tellVerdict } from "./dom.js";
+import { HeadPart } from "./calibrate_head.js";
+import { PATH, download, placing } from "./calibrate_use.js";
+import { element, fixed, setText, tellVerdict } from "./dom.js";
 import { authorised } from "./feed.js";
 import { drawCoverage, drawHolding } from "./holding.js";
 
-const PATH = "/api/calibrate";
 const ASK_EVERY_MS = 250;
 const ASK_AT_REST_MS = 1500;
 // What became of the newest picture: kind, words.
@@ -48,13 +49,11 @@ export class CalibrateView {
     this.going = element("section", { hidden: true }, element("h2", {}, "Views in each part of the picture"), this.coverage, this.progress, this.wanted, this.lacks);
     this.result = element("section.card.result", { id: "calibrate-result", hidden: true });
     this.applying = new Applying("calibrate-applying", { ended: () => this.asking.ask() });
+    this.head = new HeadPart((text) => this.order(text), this.applying);
     main.append(element("h1", {}, "Calibrate"), element("div.live", {},
       element("section.card.stage", {}, this.canvas, element("div.tools", {}, element("span.mark-ghost", {}, "hold it here"), element("span.mark-sheet", {}, "the sheet now"))),
-      element("section.card.wizard", {}, this.verdict, this.looked, element("div.tools", {}, this.startButton, this.finishButton, this.cancelButton), this.note, this.going)),
-    this.applying.card, this.result, this.applying.dialog,
-    element("section.card.other", {}, element("h2", {}, "A pan/tilt head"),
-      element("p", {}, "Its calibration moves the head by itself, with the service stopped: ", element("code", {}, "systemctl stop ninedotd"), ", then ",
-        element("code", {}, "ninedot calibrate pan-tilt --config /etc/ninedot/ninedot.toml --out head.toml"), ". A head that follows the landmark keeps it in the picture's middle: take it in hand in Aim while the camera is calibrated.")));
+      element("div.wizards", {}, this.note, element("section.card.wizard", {}, element("h2", {}, "The camera"), this.verdict, this.looked, element("div.tools", {}, this.startButton, this.finishButton, this.cancelButton), this.going), this.head.card)),
+    this.applying.card, this.result, this.head.result, this.applying.dialog, this.head.dialog);
     this.asking = new Asking(PATH, (state) => this.tell(state), (state) => (state?.phase === "running" ? ASK_EVERY_MS : ASK_AT_REST_MS));
     this.asking.ask();
   }
@@ -79,9 +78,11 @@ export class CalibrateView {
 
   tell(state) {
     this.state = state;
-    const { phase, news } = state;
+    this.head.tell(state);
+    const news = state.of === "camera" ? state.news : null;
+    const phase = state.of === "camera" ? state.phase : "idle";
     const isRunning = phase === "running";
-    this.startButton.disabled = isRunning || Boolean(state.why_not);
+    this.startButton.disabled = state.phase === "running" || Boolean(state.why_not);
     this.finishButton.disabled = !isRunning || news?.state !== "gathering" || !news.views;
     this.cancelButton.disabled = !isRunning;
     this.going.hidden = !(isRunning && news?.state === "gathering");
@@ -133,30 +134,15 @@ export class CalibrateView {
       element("table.facts", {}, fact("lens model", news.model), fact("focal length", `${news.focal_px.map((px) => fixed(px, 2)).join(", ")} px`), fact("centre", `${news.centre_px.map((px) => fixed(px, 2)).join(", ")} px`),
         fact("views", String(news.views)), fact("outlines are off by", `${fixed(news.outlines_px, 3)} px`)),
       ...(news.wish ? [element("p.warn", {}, news.wish)] : []),
-      element("div.tools", {}, element("button", { type: "button", id: "calibrate-download", onclick: () => this.download(name) }, "Download camera.yaml")),
+      element("div.tools", {}, element("button", { type: "button", id: "calibrate-download", onclick: () => download(name, "camera.yaml") }, "Download camera.yaml")),
       element("h2", {}, "Use this"),
-      ...this.placing(state, name));
+      ...placing(state, { id: "calibrate", file: "camera.yaml", option: "--calibration", applying: this.applying, question: `Use calibration ${name}?`,
+        where: state.calibration ? `In the place of ${state.calibration}, which is kept beside it.` : `As camera.yaml beside ${state.config}, with a line in that which names it.` }));
     const response = await authorised(`${PATH}/${name}/camera.svg`).catch(() => null);
     if (!response?.ok || !this.asking.isAlive || this.shownResult !== name) return;
     if (this.url) URL.revokeObjectURL(this.url);
     this.url = URL.createObjectURL(await response.blob());
     drawing.src = this.url;
-  }
-
-  // By a button where changes from here are permitted, else by a command that does the same.
-  placing({ use, calibration, folder, config }, name) {
-    const where = element("p", {}, calibration ? `In the place of ${calibration}, which is kept beside it.` : `As camera.yaml beside ${config}, with a line in that which names it.`);
-    if (!use) {
-      const post = () => authorised(PATH, { method: "POST", body: `use ${name}` });
-      return [where, element("div.tools", {}, element("button", { type: "button", id: "calibrate-use", onclick: () => this.applying.ask(`Use calibration ${name}?`, post) }, "Use this ..."))];
-    }
-    return [where, element("p.soft", {}, `Not from here: ${use}. On the sensor, as root:`),
-      element("pre.commands", { id: "calibrate-commands" }, `ninedot apply --calibration ${folder}/${name}/camera.yaml --config ${config}`)];
-  }
-
-  async download(name) {
-    const response = await authorised(`${PATH}/${name}/camera.yaml`).catch(() => null);
-    if (response?.ok) saveAs("camera.yaml", await response.blob());
   }
 
   async update(message) {
@@ -170,7 +156,7 @@ export class CalibrateView {
 
   redraw() {
     if (!this.picture) return;
-    const news = this.state?.phase === "running" && this.state.news?.state === "gathering" ? this.state.news : null;
+    const news = this.state?.of === "camera" && this.state.phase === "running" && this.state.news?.state === "gathering" ? this.state.news : null;
     drawHolding(this.canvas, this.picture, news);
   }
 }

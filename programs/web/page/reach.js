@@ -18,8 +18,9 @@ export function landmarkDirection(frame) {
   return [Math.atan2(left, ahead) * DEG, Math.atan2(up, Math.hypot(ahead, left)) * DEG];
 }
 
-// limits: {pan: {min, max}, tilt: {min, max}}; at, to, landmark: [pan, tilt] or null; view: half the picture's angles
-export function drawReach(canvas, { limits, at, to, landmark, view }) {
+// limits: {pan: {min, max}, tilt: {min, max}}; at, to, landmark: [pan, tilt] or null; view: half the picture's angles;
+// stops: [{at, isSeen}], where it stood, and whether a landmark was in sight
+export function drawReach(canvas, { limits, at, to, landmark, view, stops = [] }) {
   const { context, width, height } = fitted(canvas);
   const span = [limits.pan, limits.tilt].map(({ min, max }) => Math.max(10, max - min) * (1 + 2 * MARGIN));
   const scale = Math.min((width - 56) / span[0], (height - 28) / span[1]);
@@ -44,6 +45,7 @@ export function drawReach(canvas, { limits, at, to, landmark, view }) {
     context.strokeRect(...box([at[0] - view[0], at[1] - view[1]], [at[0] + view[0], at[1] + view[1]]));
     context.setLineDash([]);
   }
+  for (const stop of stops) drawStop(context, place(stop.at), stop.isSeen);
   if (landmark) drawLandmark(context, place(landmark));
   if (to) drawCross(context, place(to));
   if (at) drawDot(context, place(at));
@@ -80,6 +82,15 @@ function drawDot(context, [x, y]) {
   context.beginPath();
   context.arc(x, y, 6, 0, 2 * Math.PI);
   context.fill();
+}
+
+function drawStop(context, [x, y], isSeen) {
+  context.strokeStyle = context.fillStyle = colour(isSeen ? "--good" : "--soft");
+  context.lineWidth = 1.5;
+  context.beginPath();
+  context.arc(x, y, 3.5, 0, 2 * Math.PI);
+  if (isSeen) context.fill();
+  else context.stroke();
 }
 
 function drawCross(context, [x, y]) {
