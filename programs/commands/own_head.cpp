@@ -66,10 +66,10 @@ class OwnHead final : public TouredHead {
 
 void check_no_service(const ModbusTcpConfig& tcp) {
   if (!tcp.enabled || try_listen(tcp.listen, tcp.port) || find_listener("ninedotd", tcp.port) == Listening::kNo) return;
-  throw StartupError(
-      ExitStatus::kWorkFailed,
-      fmt::format("port {} is a running ninedotd's, which moves the head: stop it first (systemctl stop ninedotd)",
-                  tcp.port));
+  throw StartupError(ExitStatus::kWorkFailed,
+                     fmt::format("port {} is a running ninedotd's, which moves the head: --tap moves it through that, "
+                                 "or stop it first (systemctl stop ninedotd)",
+                                 tcp.port));
 }
 
 std::unique_ptr<TouredHead> open_own_head(const Config& config, const CameraModel& camera,
