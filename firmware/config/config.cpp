@@ -7,7 +7,6 @@
 #include <toml++/toml.h>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <optional>

@@ -1,7 +1,6 @@
 // `ninedot calibrate camera`: a lens from views of a landmark, or of a printed grid of dots: a camera's, while somebody
 // moves the sheet, or those of recordings.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -149,14 +148,7 @@ void calibrate_camera(const CalibrateCameraArguments& arguments, CalibrationNews
 void run_calibrate_camera(const CalibrateCameraArguments& arguments) {
   check_arguments(arguments);
   check_named({"--out", arguments.out});
-  if (arguments.progress.empty()) return calibrate_camera(arguments, nullptr);
-  CalibrationNews news(STDOUT_FILENO);
-  try {
-    calibrate_camera(arguments, &news);
-  } catch (const StartupError& error) {
-    news.failed(error.what());
-    throw;
-  }
+  with_news<CalibrationNews>(arguments.progress, [&](CalibrationNews* news) { calibrate_camera(arguments, news); });
 }
 
 }  // namespace

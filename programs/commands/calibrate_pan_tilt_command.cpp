@@ -2,7 +2,6 @@
 // itself.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -134,17 +133,6 @@ void calibrate_pan_tilt(const PanTiltArguments& arguments, HeadNews* news) {
   if (news != nullptr) news->done(head, lines, arguments.out);
 }
 
-void run_pan_tilt(const PanTiltArguments& arguments) {
-  if (arguments.progress.empty()) return calibrate_pan_tilt(arguments, nullptr);
-  HeadNews news(STDOUT_FILENO);
-  try {
-    calibrate_pan_tilt(arguments, &news);
-  } catch (const StartupError& error) {
-    news.failed(error.what());
-    throw;
-  }
-}
-
 }  // namespace
 
 void add_calibrate_pan_tilt_command(CLI::App& group) {
@@ -172,7 +160,9 @@ void add_calibrate_pan_tilt_command(CLI::App& group) {
       ->check(CLI::IsMember({"json"}));
   command->add_option("--out", arguments->out, "file for the sections of the configuration; -: standard output")
       ->required();
-  command->callback([arguments] { run_pan_tilt(*arguments); });
+  command->callback([arguments] {
+    with_news<HeadNews>(arguments->progress, [&](HeadNews* news) { calibrate_pan_tilt(*arguments, news); });
+  });
 }
 
 }  // namespace ninedot

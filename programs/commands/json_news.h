@@ -1,11 +1,14 @@
 #pragma once
 /// How a calibration fares, for another program: a line of JSON for each piece of news. docs/calibrating.md has the
 /// tables.
+#include <unistd.h>
+
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/mono_time.h"
+#include "base/startup_error.h"
 
 namespace ninedot {
 
@@ -32,6 +35,20 @@ class JsonNews {
   bool is_broken_ = false;
   MonoTime said_at_{};
 };
+
+/// \param progress  of the command line: "json", or nothing
+/// Calls `work` with news on standard output, or with null; what it throws is told as well, and thrown on.
+template <typename News, typename Work>
+void with_news(const std::string& progress, const Work& work) {
+  if (progress.empty()) return work(static_cast<News*>(nullptr));
+  News news(STDOUT_FILENO);
+  try {
+    work(&news);
+  } catch (const StartupError& error) {
+    news.failed(error.what());
+    throw;
+  }
+}
 
 /// ["...","..."]
 std::string texts_json(const std::vector<std::string>& texts);

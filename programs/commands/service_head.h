@@ -25,7 +25,6 @@ class ServiceHead final : public TouredHead {
 
   HeadClient client_;
   bool follows_ = false;  // before this, and afterwards
-  bool is_overruled_ = false;
 };
 
 }  // namespace ninedot

@@ -4,8 +4,9 @@ import fs from "node:fs";
 import path from "node:path";
 import { after, afterEach, before, test } from "node:test";
 
+import { calibrationDesk } from "./calibration_desk.mjs";
 import { ConfigurationStage, TOKEN } from "./configuration_stage.mjs";
-import { Modbus, PICTURES, Stage, browser, get, openPage, until } from "./stage.mjs";
+import { Modbus, PICTURES, Stage, browser, openPage, until } from "./stage.mjs";
 
 const CAMERA = 'source = "simulated"\nwidth_px = 320\nheight_px = 240\nrate_hz = 60';
 const CAMERA_MM = [30, -8, 20];
@@ -39,13 +40,13 @@ backlash_deg = 0.4
 delay_ms = 20
 `;
 const HEAD_STATE = 146, HOLD = 5;
-const authorised = { Authorization: `Bearer ${TOKEN}` };
-let folder, own, modbus, chrome;
+let folder, own, modbus, chrome, post, state;
 
 before(async () => {
   fs.mkdirSync(PICTURES, { recursive: true });
   folder = fs.mkdtempSync("/dev/shm/ninedot-calibrate-");
   own = await ConfigurationStage.open({ camera: CAMERA, extra: HEAD, web: `recordings = "${folder}/recordings"`, permitted: false });
+  ({ post, state } = calibrationDesk(own));
   modbus = await Modbus.open(own.stage.modbusPort);
   chrome = await browser();
 });
@@ -61,9 +62,6 @@ afterEach(async () => {
   await until("nothing is under way", async () => (await state()).phase !== "running");
 });
 
-const state = async () => JSON.parse((await get(own.port, "/api/calibrate", { headers: authorised })).body);
-const post = (body, { token = TOKEN, headers = {}, port = own.port } = {}) => get(port, "/api/calibrate", { method: "POST", body,
-  headers: { Origin: `http://127.0.0.1:${port}`, "Sec-Fetch-Site": "same-origin", "Content-Length": Buffer.byteLength(body), ...(token ? { Authorization: `Bearer ${token}` } : {}), ...headers } });
 const headState = async () => (await modbus.read(HEAD_STATE, 1))[0];
 const follows = () => until("the head follows", async () => [1, 2, 3, 4].includes(await headState()));
 

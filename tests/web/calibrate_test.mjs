@@ -5,12 +5,12 @@ import path from "node:path";
 import { after, afterEach, before, test } from "node:test";
 
 import { HEIGHT, WIDTH, movingSheet } from "./moving_sheet.mjs";
+import { authorised, calibrationDesk } from "./calibration_desk.mjs";
 import { ConfigurationStage, TOKEN } from "./configuration_stage.mjs";
 import { PICTURES, Stage, browser, get, openPage, pause, until } from "./stage.mjs";
 
 const SCENE = movingSheet();
-const authorised = { Authorization: `Bearer ${TOKEN}` };
-let folder, own, stage, chrome;
+let folder, own, stage, chrome, post, state;
 
 before(async () => {
   fs.mkdirSync(PICTURES, { recursive: true });
@@ -18,6 +18,7 @@ before(async () => {
   fs.writeFileSync(path.join(folder, "token"), `${TOKEN}\n`, { mode: 0o600 });
   own = await ConfigurationStage.open({ camera: SCENE.camera, extra: SCENE.simulation, web: `recordings = "${folder}/recordings"`, permitted: false });
   stage = own.stage;
+  ({ post, state } = calibrationDesk(stage));
   chrome = await browser();
 });
 after(async () => {
@@ -31,9 +32,6 @@ afterEach(async () => {
   await until("nothing is under way", async () => (await state()).phase !== "running");
 });
 
-const state = async () => JSON.parse((await get(stage.port, "/api/calibrate", { headers: authorised })).body);
-const post = (body, { token = TOKEN, headers = {}, port = stage.port } = {}) => get(port, "/api/calibrate", { method: "POST", body,
-  headers: { Origin: `http://127.0.0.1:${port}`, "Sec-Fetch-Site": "same-origin", "Content-Length": Buffer.byteLength(body), ...(token ? { Authorization: `Bearer ${token}` } : {}), ...headers } });
 const open = async (options = {}) => {
   const opened = await openPage(chrome, options.on ?? stage, "calibrate", { hash: `#token=${TOKEN}`, ...options });
   await opened.page.evaluate(() => { location.hash = "calibrate"; });
