@@ -24,6 +24,8 @@ constexpr std::string_view name_of() {
     return "i64";
   else if constexpr (std::is_same_v<T, double>)
     return "f64";
+  else if constexpr (std::is_same_v<T, float>)
+    return "f32";
   else if constexpr (std::is_same_v<T, char>)
     return "char";
   else if constexpr (std::is_same_v<T, TapPose>)
@@ -36,6 +38,10 @@ constexpr std::string_view name_of() {
     return "TapLandmark";
   else if constexpr (std::is_same_v<T, TapCandidate>)
     return "TapCandidate";
+  else if constexpr (std::is_same_v<T, TapSpot>)
+    return "TapSpot";
+  else if constexpr (std::is_same_v<T, TapSearch>)
+    return "TapSearch";
   else if constexpr (std::is_same_v<T, TapClient>)
     return "TapClient";
   else if constexpr (std::is_same_v<T, TapLogLine>)
@@ -57,7 +63,7 @@ struct TypeOf<std::array<T, N>> : TypeOf<T> {};
 
 constexpr TapField kTapHeaderFields[] = {
     FIELD(TapHeader, magic, "`NINETAP` and a zero"),
-    FIELD(TapHeader, version, "of this layout: 1"),
+    FIELD(TapHeader, version, "of this layout: 2"),
     FIELD(TapHeader, byte_order, "0x01020304 as the writer's machine stores it"),
     FIELD(TapHeader, segment_bytes, "size of the file"),
     FIELD(TapHeader, frame_slots_offset, "first slot of frames"),
@@ -144,6 +150,7 @@ constexpr TapField kTapFrameFields[] = {
     FIELD(TapFrame, landmarks, "all that gave a pose, valid or not; TapLandmark"),
     FIELD(TapFrame, latency_bins,
           "frames since the start, by latency: bin i ends at 100 us * 2^(i/4), the last one takes the rest"),
+    FIELD(TapFrame, search, "why nothing was found; TapSearch"),
 };
 constexpr TapField kTapPoseFields[] = {
     FIELD(TapPose, position_mm, "of the origin, in the named frame"),
@@ -187,6 +194,26 @@ constexpr TapField kTapCandidateFields[] = {
     FIELD(TapCandidate, chi2_above, "how much worse than the best it explains the picture"),
     FIELD(TapCandidate, rms_px, "residual"),
 };
+constexpr TapField kTapSearchFields[] = {
+    FIELD(TapSearch, has_failed, "1: the whole picture was searched, and nothing found; 0: the rest means nothing"),
+    FIELD(TapSearch, refusal,
+          "what speaks against the guess that came nearest: 0 there was none, 1 too few dots, 2 too faint, 3 no blank "
+          "paper between its dots, 4 no ninth dot, 5 paper where dots should be or other spots, 6 its outlines do not "
+          "fit"),
+    FIELD(TapSearch, spots_seen, "dark spots that could have been dots"),
+    FIELD(TapSearch, spot_count, "entries of `spots` that are used"),
+    FIELD(TapSearch, contrast_lsb, "between ink and paper of the guess, grey levels"),
+    FIELD(TapSearch, noise_lsb, "of the picture, 1-sigma, grey levels"),
+    FIELD(TapSearch, dots, "where the guess has them, numbered from any; `visible_fraction` from 0; TapDot"),
+    FIELD(TapSearch, spots, "the largest first; TapSpot"),
+};
+constexpr TapField kTapSpotFields[] = {
+    FIELD(TapSpot, u_px, "middle"),
+    FIELD(TapSpot, v_px, ""),
+    FIELD(TapSpot, semi_major_px, "of the ellipse with the same second moments"),
+    FIELD(TapSpot, semi_minor_px, ""),
+    FIELD(TapSpot, angle_deg, "of the major axis, from +u towards +v"),
+};
 constexpr TapField kTapServiceFields[] = {
     FIELD(TapService, written_at_ns, ""),
     FIELD(TapService, register_count, "of `registers` that are used"),
@@ -219,6 +246,8 @@ constexpr TapStructure kStructures[] = {
     {"TapDot", "an outline in the picture, pixel centres at integers", sizeof(TapDot), kTapDotFields},
     {"TapLandmark", "what the frame says of one landmark", sizeof(TapLandmark), kTapLandmarkFields},
     {"TapCandidate", "one reading of a landmark", sizeof(TapCandidate), kTapCandidateFields},
+    {"TapSearch", "a search that found nothing", sizeof(TapSearch), kTapSearchFields},
+    {"TapSpot", "a dark spot, pixel centres at integers", sizeof(TapSpot), kTapSpotFields},
     {"TapService", "in each slot of the service's part, ten times a second", sizeof(TapService), kTapServiceFields},
     {"TapClient", "a Modbus client", sizeof(TapClient), kTapClientFields},
     {"TapLogLine", "a line of the service's log", sizeof(TapLogLine), kTapLogLineFields},
@@ -228,7 +257,7 @@ constexpr TapStructure kStructures[] = {
 constexpr std::size_t size_of(std::string_view type) noexcept {
   if (type == "char") return 1;
   if (type == "u16") return 2;
-  if (type == "u32") return 4;
+  if (type == "u32" || type == "f32") return 4;
   for (const TapStructure& structure : kStructures)
     if (structure.name == type) return structure.size;
   return 8;

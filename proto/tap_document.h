@@ -10,7 +10,7 @@ namespace ninedot {
 /// One member of a structure.
 struct TapField {
   std::string_view name;
-  std::string_view type;   ///< u16, u32, u64, i64, f64, char; with [N] where there are several
+  std::string_view type;   ///< u16, u32, u64, i64, f32, f64, char; with [N] where there are several
   std::size_t offset = 0;  ///< [bytes] from the structure's start
   std::size_t size = 0;    ///< [bytes]
   std::string_view meaning;

@@ -12,7 +12,7 @@
 namespace ninedot {
 
 inline constexpr std::array<char, 8> kTapMagic{'N', 'I', 'N', 'E', 'T', 'A', 'P', '\0'};
-inline constexpr std::uint32_t kTapVersion = 1;
+inline constexpr std::uint32_t kTapVersion = 2;
 inline constexpr std::uint32_t kTapByteOrder = 0x01020304;  ///< as the writer's machine stores it [1]
 /// A reader that has the newest slot in hand loses it when two more were published: two frame periods to copy it.
 inline constexpr std::uint32_t kTapSlots = 3;
@@ -26,6 +26,7 @@ inline constexpr std::int64_t kTapSomePeriod_ns = 80'000'000;
 inline constexpr std::size_t kTapDotCount = 9;         ///< P1..P9
 inline constexpr std::size_t kTapLandmarkCount = 16;   ///< landmarks in view, at most
 inline constexpr std::size_t kTapCandidateCount = 2;   ///< readings of a landmark, at most
+inline constexpr std::size_t kTapSpotCount = 256;      ///< dark spots of a search that found nothing, at most
 inline constexpr std::size_t kTapRegisterCount = 160;  ///< room for the map; TapService::register_count are used
 inline constexpr std::size_t kTapClientCount = 16;
 inline constexpr std::size_t kTapLogCount = 24;
@@ -98,6 +99,22 @@ struct TapLandmark {
   std::array<TapCandidate, kTapCandidateCount> candidates{};
 };
 
+/// A dark spot of the search: an ellipse.
+struct TapSpot {
+  float u_px = 0, v_px = 0, semi_major_px = 0, semi_minor_px = 0;
+  float angle_deg = 0;  ///< of the major axis, from +u towards +v
+};
+
+/// Why a search of the whole picture found nothing, by the guess that came nearest to a landmark.
+struct TapSearch {
+  std::uint32_t has_failed = 0;  ///< 1: this frame's did; 0: nothing below means anything
+  std::uint32_t refusal = 0;     ///< 0: there was no guess; else what speaks against it, docs/tap.md [1]
+  std::uint32_t spots_seen = 0, spot_count = 0;  ///< dark spots; of them in `spots`, the largest
+  double contrast_lsb = 0, noise_lsb = 0;        ///< of ink and paper of the guess; of the picture, 1-sigma
+  std::array<TapDot, kTapDotCount> dots{};       ///< where the guess has them
+  std::array<TapSpot, kTapSpotCount> spots{};
+};
+
 namespace tap_flag {
 /// Bits of TapFrame::flags [1].
 inline constexpr std::uint32_t kValid = 1U << 0, kFound = 1U << 1, kAmbiguous = 1U << 2, kHasPose = 1U << 3,
@@ -129,6 +146,7 @@ struct TapFrame {
   std::array<TapDot, kTapDotCount> dots{};      ///< of the landmark that counts first
   std::array<TapLandmark, kTapLandmarkCount> landmarks{};
   std::array<std::uint32_t, kTapBinCount> latency_bins{};  ///< frames since the start, by latency
+  TapSearch search;
 };
 
 struct TapClient {

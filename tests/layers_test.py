@@ -38,7 +38,7 @@ ALLOWED = {
     # Heads likewise.
     "firmware/calibrate_head": ["firmware/world", "firmware/geometry", "firmware/mapping/chi_square.h"] + BASE,
     "firmware/config": ["firmware/aim", "firmware/world", "firmware/ports"] + GEOMETRY_AND_IMAGE,
-    "firmware/drawing": ["firmware/world", "firmware/detect/observation.h", "firmware/report"] + GEOMETRY_AND_IMAGE,
+    "firmware/drawing": ["firmware/world", "firmware/detect/observation.h", "firmware/detect/failed_search.h", "firmware/report"] + GEOMETRY_AND_IMAGE,
     "firmware/pipeline": ["firmware/ports", "firmware/colour", "firmware/aim", "firmware/track", "firmware/pose", "firmware/detect", "firmware/world",
                           "firmware/report"] + GEOMETRY_AND_IMAGE,
     # What becomes of a report, and the one place that knows both it and the wire's.

@@ -1,5 +1,7 @@
 #pragma once
 /// A dark, roundish blob: a candidate for a dot.
+#include <Eigen/Core>
+
 #include "base/inline_vector.h"
 
 namespace ninedot {
@@ -14,6 +16,7 @@ struct Blob {
 
   /// Of the outline's ellipse, point spread included; never the root of a negative number.
   float semi_major_px() const noexcept;
+  Eigen::Matrix2d moments_px2() const noexcept { return Eigen::Matrix2d{{xx_px2, xy_px2}, {xy_px2, yy_px2}}; }
   bool is_finite() const noexcept;
 };
 

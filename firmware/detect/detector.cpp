@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "base/contract.h"
 #include "detect/blob_finder.h"
@@ -83,6 +84,7 @@ struct Detector::Workspace {
                                     Numbering numbering, WorkBudget& budget) noexcept;
   Verification verify(const ImageView& luma, const Sight& sight, const Hypothesis& hypothesis) const noexcept;
   bool verify_all(const ImageView& luma, const Sight& sight) noexcept;
+  void note_refusal(const Hypothesis& hypothesis, const Verification& verification) noexcept;
   Result<LandmarkObservation> observe(const Sight& sight, const Accepted& from, Numbering numbering) const noexcept;
   bool is_cut(const Hypothesis& hypothesis, std::size_t dot, const Blob& blob) const noexcept;
 
@@ -94,6 +96,8 @@ struct Detector::Workspace {
   HypothesisList hypotheses;
   InlineVector<Accepted, kMaxAccepted> accepted;  ///< the best first
   ObservationList found;
+  std::optional<Hypothesis> nearest;  ///< of the guesses that the last search of the whole picture refused
+  Verification refused;               ///< why it did
   GuessCuts cuts;
   GuessBegin coarse_begin, fine_begin, second_begin, all_begin;  ///< of searches of the whole picture
 };
@@ -101,6 +105,7 @@ struct Detector::Workspace {
 /// Coarse to fine. Three quarters of all pixels are the picture's own, and a landmark nearer than about 4 m shows at
 /// half the size as well: it is found there and measured where it is.
 Result<LandmarkObservation> Detector::Workspace::search_whole(const ImageView& luma, WorkBudget& budget) noexcept {
+  nearest.reset();
   look(luma, {0, 0, camera.width_px, camera.height_px, {1, BlobFinder::kLevels - 1}}, whole, budget);
   const Result<LandmarkObservation> coarse = with_half(budget.guesses, [&](int& half) {
     return match(luma, whole, half, coarse_begin, Numbering::kLeftOut, budget);  // it is looked at again
@@ -178,6 +183,7 @@ void Detector::Workspace::guess_everything(const ImageView& luma, WorkBudget& bu
 
 /// Every landmark with a P9, at all levels in one go.
 void Detector::Workspace::find_all(const ImageView& luma, WorkBudget& budget) noexcept {
+  nearest.reset();
   look(luma, {0, 0, camera.width_px, camera.height_px, {1, BlobFinder::kLevels - 1}}, whole, budget);
   look_finer(luma, budget);
   sorted.assign(whole.blobs);
@@ -226,7 +232,10 @@ bool Detector::Workspace::verify_all(const ImageView& luma, const Sight& sight) 
   accepted.clear();
   for (const Hypothesis& hypothesis : hypotheses) {
     const Verification v = verify(luma, sight, hypothesis);
-    if (!v.accepted) continue;
+    if (!v.accepted()) {
+      if (&sight == &whole) note_refusal(hypothesis, v);
+      continue;
+    }
     if (accepted.full()) {
       if (v.score <= accepted[accepted.size() - 1].verification.score) continue;
       accepted.pop_back();
@@ -236,6 +245,12 @@ bool Detector::Workspace::verify_all(const ImageView& luma, const Sight& sight) 
       std::swap(accepted[i - 1], accepted[i]);
   }
   return !accepted.empty();
+}
+
+void Detector::Workspace::note_refusal(const Hypothesis& hypothesis, const Verification& verification) noexcept {
+  if (nearest && verification.score <= refused.score) return;
+  nearest = hypothesis;
+  refused = verification;
 }
 
 /// A dot that something hides in part has an outline all around all the same, but it is smaller than the others say.
@@ -258,12 +273,7 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Sight& sight, con
     const Blob& blob = sight.blobs[static_cast<std::size_t>(hypothesis.blob[dot])];
     d.seen = d.visible_fraction >= kWholeOutline && !is_cut(hypothesis, dot, blob);
     d.centroid_px = {blob.x_px, blob.y_px};
-    const double mean = 0.5 * (static_cast<double>(blob.xx_px2) + blob.yy_px2);
-    const double half = 0.5 * (static_cast<double>(blob.xx_px2) - blob.yy_px2);
-    const double spread = std::hypot(half, static_cast<double>(blob.xy_px2));
-    d.semi_major_px = 2 * std::sqrt(mean + spread);
-    d.semi_minor_px = 2 * std::sqrt(std::max(mean - spread, 0.0));
-    d.angle_rad = 0.5 * std::atan2(2.0 * static_cast<double>(blob.xy_px2), 2 * half);
+    set_outline(blob.moments_px2(), d);
     if (d.seen) ++seen.seen_count;
     const auto ray = camera.normalised_from_pixel(d.centroid_px);
     if (!ray) return tl::unexpected<Error>(ray.error());
@@ -319,6 +329,25 @@ Result<LandmarkObservation> Detector::find_landmark_near(const ImageView& luma, 
   Workspace& w = *workspace_;
   if (!w.fits(luma)) return fail(Errc::kFrameSize, "the frame's size is not the calibration's");
   return w.search_near(luma, expected, budget);
+}
+
+FailedSearch Detector::failed_search() const noexcept {
+  const Workspace& w = *workspace_;
+  FailedSearch failed;
+  failed.spots = w.whole.blobs.span();
+  failed.noise_lsb = w.whole.finder.noise_lsb();
+  if (!w.nearest) return failed;
+  failed.refusal = w.refused.refusal;
+  failed.contrast_lsb = w.refused.contrast_lsb;
+  for (std::size_t i = 0; i < kDotCount; ++i) {
+    DotObservation& dot = failed.dots[i];
+    const Eigen::Vector2d centre_m = w.landmark.centre_m(i);
+    dot.visible_fraction = w.refused.visible_fraction[i];
+    dot.seen = dot.visible_fraction >= kSeenOutline;
+    dot.centroid_px = map_point(w.nearest->H_px_plane, centre_m);
+    set_outline(disc_moments(jacobian_of_map(w.nearest->H_px_plane, centre_m), w.landmark.radius_m(i)), dot);
+  }
+  return failed;
 }
 
 WorkCounts Detector::counts() const noexcept {

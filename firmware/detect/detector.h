@@ -5,6 +5,7 @@
 
 #include "base/result.h"
 #include "base/work_counts.h"
+#include "detect/failed_search.h"
 #include "detect/forecast.h"
 #include "detect/observation.h"
 #include "detect/work_budget.h"
@@ -65,6 +66,9 @@ class Detector {
     WorkBudget budget;
     return find_landmark_near(luma, expected, budget);
   }
+
+  /// Of the last search of a whole picture that found nothing. Asking costs a microsecond, and nothing unless asked.
+  FailedSearch failed_search() const noexcept;
 
   /// What was left out since the detector was made.
   WorkCounts counts() const noexcept;

@@ -1,9 +1,20 @@
 #include "detect/observation.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace ninedot {
+
+void set_outline(const Eigen::Matrix2d& moments_px2, DotObservation& dot) noexcept {
+  const double mean = 0.5 * (moments_px2(0, 0) + moments_px2(1, 1));
+  const double half = 0.5 * (moments_px2(0, 0) - moments_px2(1, 1));
+  const double spread = std::hypot(half, moments_px2(0, 1));
+  dot.semi_major_px = 2 * std::sqrt(mean + spread);
+  dot.semi_minor_px = 2 * std::sqrt(std::max(mean - spread, 0.0));
+  dot.angle_rad = 0.5 * std::atan2(2 * moments_px2(0, 1), 2 * half);
+}
 
 LandmarkObservation renumbered(const LandmarkObservation& seen, int eighths) noexcept {
   constexpr int kCount = kRingDotCount;

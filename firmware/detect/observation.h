@@ -20,6 +20,16 @@ struct DotObservation {
   double angle_rad = 0;  ///< of the major axis, from +x towards +y, (-pi/2, pi/2]
 };
 
+/// Sets the outline's axes and their direction to those of the ellipse with these second central moments over its area.
+/// \param moments_px2  symmetric; a disc of radius r has r^2 / 4 on the diagonal. Memory: none. Threads: pure.
+void set_outline(const Eigen::Matrix2d& moments_px2, DotObservation& dot) noexcept;
+
+/// Of a small disc, which appears as its image under the map's derivative there. \param px_per_m  that derivative
+/// \param radius_m  of the disc \return  [px^2]
+inline Eigen::Matrix2d disc_moments(const Eigen::Matrix2d& px_per_m, double radius_m) noexcept {
+  return 0.25 * radius_m * radius_m * px_per_m * px_per_m.transpose();
+}
+
 /// The landmark in one picture, dots numbered (index 0..7 = P1..P8, 8 = P9).
 struct LandmarkObservation {
   std::array<DotObservation, kDotCount> dots{};

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "detect/failed_search.h"
 #include "detect/homography.h"
 
 // Light changes across the sheet and shadows cut through it, so brightness is only ever compared with brightness close
@@ -22,7 +23,7 @@ constexpr double kMinContrast_lsb =
 constexpr double kContrastPerNoise = 3;  // below, sixteen directions in which it is brighter outside are no evidence
 constexpr double kMinShare = 0.35;       // of the landmark's typical contrast, scaled by the local light
 constexpr double kLeastLight = 0.3, kMostLight = 1.5;  // beyond these paper is not lit differently but another thing
-constexpr float kSeen = 12.0F / kDirections;           // of an outline: the dot is there, whole
+constexpr float kSeen = kSeenOutline;
 constexpr float kFlawless = 1;
 constexpr float kPartly = 5.0F / kDirections;  // a dot that something hides in part
 // Three dots, two halves beside them and half of P9, which counts twice: half a sheet, 3 + 1 + 1, less a direction or
@@ -72,6 +73,7 @@ class Evidence {
 
   Verification judge(const BlobList& blobs) const noexcept {
     Verification v;
+    v.contrast_lsb = typical_lsb_;
     for (std::size_t dot = 0; dot < kDotCount; ++dot) {
       v.visible_fraction[dot] = visible_fraction(dot);
       v.score += v.visible_fraction[dot] * (dot == kCentreDot ? 2 : 1);
@@ -88,12 +90,19 @@ class Evidence {
     if (hypothesis_.matched <= 3 && (flawless < 3 || v.score < kMinScoreOfThree)) return v;
     const bool enough =
         (centre >= kSeen && whole >= 3) || (centre >= kPartly && whole >= 3 && whole + partly >= 4) || whole >= 5;
-    v.accepted = enough && typical_lsb_ >= std::max(kMinContrast_lsb, kContrastPerNoise * noise_lsb_) &&
-                 paper_is_blank() && !centre_is_absent(centre) && are_hidden_not_absent(v, blobs, seen);
+    if (enough) v.refusal = refusal_of_whole(v, blobs, seen);
     return v;
   }
 
  private:
+  /// Where there are outlines enough: the cheapest to ask comes first.
+  Refusal refusal_of_whole(const Verification& v, const BlobList& blobs, int seen) const noexcept {
+    if (typical_lsb_ < std::max(kMinContrast_lsb, kContrastPerNoise * noise_lsb_)) return Refusal::kFaint;
+    if (!paper_is_blank()) return Refusal::kDarkBetween;
+    if (centre_is_absent(v.visible_fraction[kCentreDot])) return Refusal::kNoCentre;
+    return are_hidden_not_absent(v, blobs, seen) ? Refusal::kNone : Refusal::kOtherPattern;
+  }
+
   Eigen::Vector2d plane_point(std::size_t dot, int direction, double radius_m) const noexcept {
     return landmark_.centre_m(dot) + radius_m * kDirection[static_cast<std::size_t>(direction)];
   }

@@ -2,15 +2,19 @@
 /// Whether the grey levels agree that a landmark is where a hypothesis says.
 #include <array>
 
+#include "base/refusal.h"
 #include "detect/hypothesis.h"
 #include "image/image_view.h"
 
 namespace ninedot {
 
 struct Verification {
-  bool accepted = false;
+  Refusal refusal = Refusal::kFewOutlines;          ///< the first thing that speaks against it; kNone: accepted
   double score = 0;                                 ///< to compare hypotheses: dots' worth of outline that is there
   std::array<float, kDotCount> visible_fraction{};  ///< of each outline: dark inside, bright outside
+  double contrast_lsb = 0;                          ///< of ink and paper, typical of its outlines
+
+  bool accepted() const noexcept { return refusal == Refusal::kNone; }
 };
 
 /// Looks at both sides of all nine outlines, at the paper between the dots, and at whether what is missing is hidden

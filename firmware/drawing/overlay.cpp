@@ -144,18 +144,41 @@ void draw_centroids(Canvas& canvas, const Scene& scene) {
   }
 }
 
+/// An outline as it was seen. \param dash_px  of the picture; 0 = unbroken
+void draw_ellipse(Canvas& canvas, const DotObservation& dot, const Colour& colour, double width_px,
+                  double dash_px = 0) {
+  const Vector2 along(std::cos(dot.angle_rad), std::sin(dot.angle_rad)), across(-along.y(), along.x());
+  double length_px = 0;
+  Vector2 before = canvas.at(dot.centroid_px + dot.semi_major_px * along);
+  for (std::size_t i = 1; i < kCirclePoints; ++i) {
+    const double a_rad = 2 * std::numbers::pi * static_cast<double>(i) / (kCirclePoints - 1);
+    const Vector2 point = canvas.at(dot.centroid_px + dot.semi_major_px * std::cos(a_rad) * along +
+                                    dot.semi_minor_px * std::sin(a_rad) * across);
+    if (dash_px == 0 || std::fmod(length_px, 2 * dash_px) < dash_px)
+      draw_line(canvas.picture, before, point, colour, width_px);
+    length_px += (point - before).norm();
+    before = point;
+  }
+}
+
 /// Without a pose: the outlines as they were seen.
 void draw_seen_ellipses(Canvas& canvas, const Scene& scene) {
   if (scene.seen == nullptr) return;
-  for (const DotObservation& dot : scene.seen->dots) {
-    if (!dot.seen) continue;
-    const Vector2 at = canvas.at(dot.centroid_px);
-    const cv::Size2d axes(2 * dot.semi_major_px * canvas.scale, 2 * dot.semi_minor_px * canvas.scale);
-    cv::ellipse(
-        canvas.picture,
-        cv::RotatedRect(cv::Point2d(at.x(), at.y()), axes, static_cast<float>(dot.angle_rad * 180 / std::numbers::pi)),
-        kOutline, std::max(1, static_cast<int>(2 * canvas.line_px)), cv::LINE_AA);
+  for (const DotObservation& dot : scene.seen->dots)
+    if (dot.seen) draw_ellipse(canvas, dot, kOutline, 2 * canvas.line_px);
+}
+
+/// What there was to see where nothing was found.
+void draw_failed_search(Canvas& canvas, const FailedSearch& failed) {
+  for (const Blob& spot : failed.spots) {
+    DotObservation outline;
+    outline.centroid_px = {spot.x_px, spot.y_px};
+    set_outline(spot.moments_px2(), outline);
+    draw_ellipse(canvas, outline, kRing, canvas.line_px);
   }
+  if (!failed.has_guess()) return;
+  for (const DotObservation& dot : failed.dots)
+    draw_ellipse(canvas, dot, dot.seen ? kOutline : kHidden, 2 * canvas.line_px, dot.seen ? 0 : 5 * canvas.line_px);
 }
 
 void draw_landmark(Canvas& canvas, const Scene& scene) {
@@ -208,16 +231,21 @@ void draw_inset(cv::Mat& panel, const cv::Mat& frame, const Scene& scene, const 
 }
 
 /// Across the middle of the frame, in words nobody can overlook.
-void draw_nothing_found(Canvas& canvas, const Report& report) {
+void draw_nothing_found(Canvas& canvas, const Report& report, const FailedSearch* failed) {
   const cv::Size size = canvas.picture.size();
   const double unit_px = std::min(size.width / 640.0, size.height / 240.0);
-  const int height = static_cast<int>(46 * unit_px);
+  const int height = static_cast<int>((failed != nullptr ? 58 : 46) * unit_px);
   cv::Mat band = canvas.picture.rowRange(std::max(0, size.height - height), size.height);
   band *= 0.25;
   draw_text(band, report.found ? "no pose" : "no landmark", Vector2(size.width / 2.0, 21 * unit_px), 13 * unit_px,
             {255, 110, 110}, Align::kCentre, true);
   draw_text(band, std::string(reason_label(report.reason)), Vector2(size.width / 2.0, 38 * unit_px), 8 * unit_px, kText,
             Align::kCentre, true);
+  if (failed == nullptr) return;
+  const std::string what =
+      failed->has_guess() ? fmt::format("outlined: {}", refusal_sentence(static_cast<std::uint32_t>(failed->refusal)))
+                          : "dark spots are outlined: no nine of them lie like its dots";
+  draw_text(band, what, Vector2(size.width / 2.0, 51 * unit_px), 6 * unit_px, kText, Align::kCentre, true);
 }
 
 }  // namespace
@@ -225,7 +253,8 @@ void draw_nothing_found(Canvas& canvas, const Report& report) {
 int overlay_scale(int height_px) noexcept { return std::clamp((900 + height_px - 1) / std::max(height_px, 1), 1, 8); }
 
 void draw_overlay(const ImageView& luma, const Report& report, const LandmarkObservation* seen,
-                  const CameraModel& camera, const LandmarkGeometry& geometry, int scale, RgbPicture& picture) {
+                  const FailedSearch* failed, const CameraModel& camera, const LandmarkGeometry& geometry, int scale,
+                  RgbPicture& picture) {
   EXPECTS(!luma.empty() && scale >= 0);
   // Pictures of this size gain nothing from OpenCV's worker threads, which would outlive the call and take the cores
   // of the frame loop; the thread sanitizer cannot look into them either.
@@ -255,8 +284,9 @@ void draw_overlay(const ImageView& luma, const Report& report, const LandmarkObs
   if (report.valid) scene.project.emplace(camera, pose_of(report.camera_in_landmark));
   const Box box = landmark_box(scene);
   cv::Mat panel = whole.colRange(width, picture.width_px);
-  draw_panel(panel, report, unit_px);
-  if (!report.valid) draw_nothing_found(canvas, report);
+  draw_panel(panel, report, failed != nullptr ? KeyOf::kFailedSearch : KeyOf::kLandmark, unit_px);
+  if (failed != nullptr) draw_failed_search(canvas, *failed);
+  if (!report.valid) draw_nothing_found(canvas, report, failed);
   if (box.empty()) return;
   if (box.span_px() >= kSmallSpan_px) {
     draw_landmark(canvas, scene);

@@ -95,7 +95,7 @@ void draw_process_row(Rows& rows, const Report& report) {
   rows.row("frame", fmt::format("{}", report.frame_number), report.solver == Solver::kFull ? "full" : "ellipse");
 }
 
-void draw_key(cv::Mat& panel, double unit_px) {
+void draw_key(cv::Mat& panel, KeyOf what, double unit_px) {
   const auto entry = [&](double x_units, double y_units, const Colour& colour, const char* words, bool dashed,
                          bool cross) {
     const Eigen::Vector2d at = Eigen::Vector2d(x_units, y_units) * unit_px;
@@ -109,6 +109,11 @@ void draw_key(cv::Mat& panel, double unit_px) {
     }
     draw_text(panel, words, at + 38 * right + 5 * down, 10.5 * unit_px, kFaint);
   };
+  if (what == KeyOf::kFailedSearch) {
+    entry(30, 884, kRing, "dark spot", false, false);
+    entry(30, 910, kOutline, "what comes nearest to a landmark: a dot", false, false);
+    return entry(30, 936, kHidden, "and where it lacks one", true, false);
+  }
   entry(30, 884, kOutline, "disc from the pose", false, false);
   entry(30, 910, kHidden, "hidden disc", true, false);
   entry(245, 884, kCentroid, "centroid seen", false, true);
@@ -121,7 +126,7 @@ void draw_key(cv::Mat& panel, double unit_px) {
 
 }  // namespace
 
-void draw_panel(cv::Mat& panel, const Report& report, double unit_px) {
+void draw_panel(cv::Mat& panel, const Report& report, KeyOf key, double unit_px) {
   panel.setTo(kBacking);
   draw_verdict(panel, report, unit_px);
   Rows rows(panel, unit_px, 58 + 30);
@@ -132,7 +137,7 @@ void draw_panel(cv::Mat& panel, const Report& report, double unit_px) {
     rows.gap();
   }
   draw_process_row(rows, report);
-  draw_key(panel, unit_px);
+  draw_key(panel, key, unit_px);
 }
 
 }  // namespace ninedot::overlay

@@ -76,8 +76,7 @@ void FrameLoop::on_frame(FrameLease& lease) noexcept {
   look_at_head();
   last_frame_at_ = mono_now();
   publish(next_report(report_, lease.frame, fix, {mono_now(), head_, lease.dropped_before, &options_.body}));
-  if (options_.observer != nullptr)
-    options_.observer->observe(lease.frame, fix, processor_.last_observation(), report_);
+  if (options_.observer != nullptr) options_.observer->observe(lease.frame, fix, processor_, report_);
   if (report_.reason == Reason::kFrameSize) return;
   latency_.add(report_.latency);
   frames_processed_.fetch_add(1, std::memory_order_relaxed);

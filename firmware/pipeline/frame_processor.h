@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/inline_vector.h"
+#include "detect/failed_search.h"
 #include "detect/observation.h"
 #include "geometry/sheet_motion.h"
 #include "image/frame.h"
@@ -73,6 +74,10 @@ class FrameProcessor {
   /// A landmark of the last frame, for overlays; null when it showed none. Where its outlines alone were followed it
   /// says so (LandmarkObservation::from_pose).
   virtual const LandmarkObservation* last_observation() const noexcept { return nullptr; }
+
+  /// What there was to see in the last frame, where all of it was searched and nothing found that `Fix::landmarks`
+  /// could tell; none: otherwise. Valid until the next frame.
+  virtual std::optional<FailedSearch> failed_search() const noexcept { return std::nullopt; }
 };
 
 }  // namespace ninedot

@@ -36,6 +36,17 @@ void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget,
   misfit_.reset();
 }
 
+FailedSearch LandmarkSeeker::failed_search() const noexcept {
+  FailedSearch failed = detector_.failed_search();
+  if (!misfit_) return failed;
+  std::array<double, kDotCount> all_of_each;
+  all_of_each.fill(1);
+  failed.refusal = Refusal::kPoorFit;
+  failed.dots =
+      observation_of(misfit_->list[0].pose.T_landmark_camera.inverse(), all_of_each, camera_, options_.landmark).dots;
+  return failed;
+}
+
 /// \param track  of the landmark, before this frame \param t_camera_m  where it is, about
 RowMotion LandmarkSeeker::motion_of(const Track& track, const Eigen::Vector3d& t_camera_m) const noexcept {
   if (row_time_s_ == 0) return {};

@@ -77,6 +77,8 @@ class LandmarkSeeker {
   const PoseCandidates& candidates() const noexcept { return candidates_; }
   /// Likewise: how its sheet moved across the rows, as the fit took it. Its track knows better afterwards.
   const RowMotion& row_motion() const noexcept { return row_motion_; }
+  /// What the search of the whole picture saw, where nothing came of it: the misfit before what did not get so far.
+  FailedSearch failed_search() const noexcept;
   /// The first since `begin` that looked like a landmark and does not fit the picture.
   const std::optional<PoseCandidates>& misfit() const noexcept { return misfit_; }
 

@@ -147,10 +147,16 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bo
   (void)fix_.landmarks.try_push_back(fix);  // the only one
 }
 
+std::optional<FailedSearch> Localiser::failed_search() const noexcept {
+  if (!has_search_failed_) return std::nullopt;
+  return lens_->seeker.failed_search();
+}
+
 const Fix& Localiser::process(const Frame& frame) noexcept {
   const MonoTime begin = mono_now();
   take_newest_map();
   fix_.landmarks.clear();
+  has_search_failed_ = false;
   fix_.world.reset();
   fix_.calibrated = options_.calibrated;
   fix_.solver = options_.seeker.solver;
@@ -189,6 +195,7 @@ void Localiser::look_at(const Frame& frame) noexcept {
     budget.is_overdrawn |= out_of_pixels;
     if (out_of_pixels || (fix_.reason == Reason::kNoLandmark && budget.is_overdrawn)) fix_.reason = Reason::kCrowded;
     if (lens_->seeker.misfit()) add_fix(*lens_->seeker.misfit(), 0, false);
+    has_search_failed_ = fix_.landmarks.empty();
   }
   fix_.track = filter_.at(frame.exposed_at());
   if (fix_.track) fix_.track->covariance.topLeftCorner<6, 6>() += calibration_share_;

@@ -63,6 +63,8 @@ class Localiser final : public FrameProcessor {
     return track_.has_sighting() ? &track_.sighting() : nullptr;
   }
 
+  std::optional<FailedSearch> failed_search() const noexcept override;
+
  private:
   void take_newest_map() noexcept;
   void begin_anew() noexcept;
@@ -84,6 +86,7 @@ class Localiser final : public FrameProcessor {
   // with this one of the less likely.
   std::size_t next_guess_ = 0;
   std::uint32_t frames_cut_ = 0;
+  bool has_search_failed_ = false;  // in the last frame
   Fix fix_;
 };
 

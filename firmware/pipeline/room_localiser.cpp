@@ -105,6 +105,11 @@ const LandmarkObservation* RoomLocaliser::last_observation() const noexcept {
   return shown != in_view_.end() ? &shown->track.sighting() : nullptr;
 }
 
+std::optional<FailedSearch> RoomLocaliser::failed_search() const noexcept {
+  if (!has_search_failed_) return std::nullopt;
+  return lens_->seeker.failed_search();
+}
+
 /// What the track of the camera knows of its motion, if that is enough to tell where rows would have been.
 std::optional<CameraTwist> RoomLocaliser::twist_at(MonoTime time) const noexcept {
   const auto tracked = filter_.at(time);
@@ -217,6 +222,7 @@ void RoomLocaliser::look_everywhere(const Frame& frame) noexcept {
   if (!in_view_.empty()) return;
   // The search for one looks closer, and begins with the ring where P9 is spoiled.
   if (const auto found = lens_->seeker.detector().find_landmarks(frame.luma, lens_->seeker.budget())) begin(*found);
+  has_search_failed_ = in_view_.empty();
 }
 
 /// Whether a landmark there is in view already: its middle lies within the ring of one that is. Sheets don't overlap.
@@ -322,6 +328,7 @@ const Fix& RoomLocaliser::process(const Frame& frame) noexcept {
   const MonoTime begin = mono_now();
   take_newest_map();
   fix_.landmarks.clear();
+  has_search_failed_ = false;
   fix_.world.reset();
   fix_.calibrated = options_.calibrated;
   fix_.solver = options_.seeker.solver;

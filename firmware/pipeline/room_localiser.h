@@ -18,6 +18,7 @@ class RoomLocaliser final : public FrameProcessor {
 
   const Fix& process(const Frame& frame) noexcept override;
   const LandmarkObservation* last_observation() const noexcept override;
+  std::optional<FailedSearch> failed_search() const noexcept override;
 
  private:
   /// A landmark in view.
@@ -84,6 +85,7 @@ class RoomLocaliser final : public FrameProcessor {
   InlineVector<InView, kMaxLandmarksInView> lost_;  ///< in view in the frame before, and not where they should be
   int frames_since_search_ = 0;
   std::uint32_t frames_cut_ = 0;
+  bool has_search_failed_ = false;  ///< in the last frame
   Fix fix_;
 };
 

@@ -58,9 +58,12 @@ class OverlayWriter {
   }
   /// Of the frames from now on.
   void look_through(const CameraModel& camera) { camera_ = camera; }
-  void write(const Frame& frame, const Report& report, const LandmarkObservation* seen) {
+  /// \param by  what processed the frame
+  void write(const Frame& frame, const Report& report, const FrameProcessor& by) {
     if (folder_.empty()) return;
-    draw_overlay(frame.luma, report, seen, camera_, landmark_, 0, picture_);
+    const auto failed = by.failed_search();
+    draw_overlay(frame.luma, report, by.last_observation(), failed ? &*failed : nullptr, camera_, landmark_, 0,
+                 picture_);
     const std::string path = fmt::format("{}/{:06}.png", folder_, frame.number);
     const auto written = write_png_rgb(path, picture_.pixels, {picture_.width_px, picture_.height_px});
     if (!written)
@@ -191,7 +194,7 @@ void run_replay(const ReplayArguments& arguments) {
     }
     world.add(frame, fix);
     track.add(frame, fix);
-    overlay.write(frame, report, localiser->last_observation());
+    overlay.write(frame, report, *localiser);
     if (progress.is_due()) progress.show(fmt::format("frame {} of {}", counts.frames, source.frame_count()));
   }
   rows.finish();

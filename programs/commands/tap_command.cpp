@@ -83,8 +83,10 @@ std::string report_line(const TapFrame& frame) {
 void draw(const Tap& tap, const TapCopy& copy, RgbPicture& picture) {
   LandmarkObservation seen;
   const bool has_dots = observation_of(copy.frame, seen);
-  draw_overlay(copy.luma(), report_of(copy.frame), has_dots ? &seen : nullptr, camera_of(tap.header()),
-               landmark_of(tap.header()), 0, picture);
+  const auto spots = std::make_unique<BlobList>();
+  const auto failed = search_of(copy.frame, *spots);
+  draw_overlay(copy.luma(), report_of(copy.frame), has_dots ? &seen : nullptr, failed ? &*failed : nullptr,
+               camera_of(tap.header()), landmark_of(tap.header()), 0, picture);
 }
 
 void save_picture(Tap& tap, const TapArguments& arguments) {

@@ -32,8 +32,7 @@ void put_text(std::string_view text, std::span<char> to) noexcept {
 
 }  // namespace
 
-void TapObserver::observe(const Frame& frame, const Fix& fix, const LandmarkObservation* seen,
-                          const Report& report) noexcept {
+void TapObserver::observe(const Frame& frame, const Fix& fix, const FrameProcessor& by, const Report& report) noexcept {
   const auto bin = std::lower_bound(kEdges_ns.begin(), kEdges_ns.end(), report.latency.count()) - kEdges_ns.begin();
   ++frame_.latency_bins[static_cast<std::size_t>(bin)];
   const TapDemand demand = tap_.demand();
@@ -41,7 +40,8 @@ void TapObserver::observe(const Frame& frame, const Fix& fix, const LandmarkObse
   if (demand == TapDemand::kSome && report.published_at - copied_at_ < std::chrono::nanoseconds(kTapSomePeriod_ns))
     return;
   copied_at_ = report.published_at;
-  describe_frame(frame, fix, seen, report, frame_);
+  describe_frame(frame, fix, by.last_observation(), report, frame_);
+  describe_search(by.failed_search(), frame_);
   tap_.publish(frame_, frame.luma, frame.chroma);
 }
 

@@ -17,8 +17,7 @@ namespace ninedot {
 class TapObserver final : public FrameObserver {
  public:
   explicit TapObserver(TapWriter& tap) noexcept : tap_(tap) {}
-  void observe(const Frame& frame, const Fix& fix, const LandmarkObservation* seen,
-               const Report& report) noexcept override;
+  void observe(const Frame& frame, const Fix& fix, const FrameProcessor& by, const Report& report) noexcept override;
 
  private:
   TapWriter& tap_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <span>
 #include <utility>
 
 #include "base/units.h"
@@ -41,15 +43,24 @@ void fill_track(const TrackedPose& track, TapFrame& tap) noexcept {
   tap.track_ambiguity = track.ambiguity;
 }
 
+TapDot tap_dot(const DotObservation& from, double visible_fraction) noexcept {
+  return {from.centroid_px.x(), from.centroid_px.y(),        from.semi_major_px,
+          from.semi_minor_px,   from.angle_rad * kDegPerRad, visible_fraction};
+}
+
 void fill_dots(const LandmarkObservation& seen, TapFrame& tap) noexcept {
   for (std::size_t dot = 0; dot < kTapDotCount; ++dot) {
     const DotObservation& from = seen.dots[dot];
     // 0 says "not seen": whatever sliver of it there was is none to rest on.
-    tap.dots[dot] = {
-        from.centroid_px.x(),        from.centroid_px.y(),
-        from.semi_major_px,          from.semi_minor_px,
-        from.angle_rad * kDegPerRad, from.seen ? std::max(1e-3, static_cast<double>(from.visible_fraction)) : 0};
+    tap.dots[dot] = tap_dot(from, from.seen ? std::max(1e-3, static_cast<double>(from.visible_fraction)) : 0);
   }
+}
+
+TapSpot tap_spot(const Blob& from) noexcept {
+  DotObservation outline;
+  set_outline(from.moments_px2(), outline);
+  return {from.x_px, from.y_px, static_cast<float>(outline.semi_major_px), static_cast<float>(outline.semi_minor_px),
+          static_cast<float>(outline.angle_rad * kDegPerRad)};
 }
 
 TapLandmark tap_landmark(const LandmarkFix& fix) noexcept {
@@ -129,6 +140,28 @@ std::uint32_t flags_of(const Fix& fix, const LandmarkObservation* seen, const Re
   return flags;
 }
 
+DotObservation dot_of(const TapDot& from, bool is_seen) noexcept {
+  return {is_seen,
+          static_cast<float>(from.visible_fraction),
+          {from.u_px, from.v_px},
+          from.semi_major_px,
+          from.semi_minor_px,
+          from.angle_deg * kRadPerDeg};
+}
+
+Blob blob_of(const TapSpot& from) noexcept {
+  const float angle_rad = from.angle_deg * static_cast<float>(kRadPerDeg);
+  const float cosine = std::cos(angle_rad), sine = std::sin(angle_rad);
+  const float along = from.semi_major_px * from.semi_major_px / 4, across = from.semi_minor_px * from.semi_minor_px / 4;
+  return {.x_px = from.u_px,
+          .y_px = from.v_px,
+          .area_px2 = std::numbers::pi_v<float> * from.semi_major_px * from.semi_minor_px,
+          .xx_px2 = along * cosine * cosine + across * sine * sine,
+          .xy_px2 = (along - across) * cosine * sine,
+          .yy_px2 = along * sine * sine + across * cosine * cosine,
+          .level = 0};
+}
+
 }  // namespace
 
 void describe_frame(const Frame& frame, const Fix& fix, const LandmarkObservation* seen, const Report& report,
@@ -157,6 +190,23 @@ void describe_frame(const Frame& frame, const Fix& fix, const LandmarkObservatio
   for (const LandmarkFix& landmark : fix.landmarks) {
     if (tap.landmark_count == kTapLandmarkCount) break;
     tap.landmarks[tap.landmark_count++] = tap_landmark(landmark);
+  }
+}
+
+void describe_search(const std::optional<FailedSearch>& failed, TapFrame& tap) noexcept {
+  TapSearch& to = tap.search;
+  to.has_failed = failed ? 1 : 0;
+  if (!failed) return;
+  to.refusal = static_cast<std::uint32_t>(failed->refusal);
+  to.contrast_lsb = failed->contrast_lsb;
+  to.noise_lsb = failed->noise_lsb;
+  for (std::size_t i = 0; i < kTapDotCount; ++i)
+    to.dots[i] = tap_dot(failed->dots[i], static_cast<double>(failed->dots[i].visible_fraction));
+  to.spots_seen = static_cast<std::uint32_t>(failed->spots.size());
+  to.spot_count = 0;
+  for (const Blob& spot : failed->spots) {
+    if (to.spot_count == kTapSpotCount) break;
+    to.spots[to.spot_count++] = tap_spot(spot);
   }
 }
 
@@ -196,15 +246,26 @@ bool observation_of(const TapFrame& tap, LandmarkObservation& seen) noexcept {
   for (std::size_t dot = 0; dot < kTapDotCount; ++dot) {
     const TapDot& from = tap.dots[dot];
     if (!(from.visible_fraction > 0)) continue;
-    seen.dots[dot] = {true,
-                      static_cast<float>(from.visible_fraction),
-                      {from.u_px, from.v_px},
-                      from.semi_major_px,
-                      from.semi_minor_px,
-                      from.angle_deg * kRadPerDeg};
+    seen.dots[dot] = dot_of(from, true);
     ++seen.seen_count;
   }
   return seen.seen_count > 0;
+}
+
+std::optional<FailedSearch> search_of(const TapFrame& tap, BlobList& spots) noexcept {
+  const TapSearch& from = tap.search;
+  if (from.has_failed == 0) return std::nullopt;
+  FailedSearch failed;
+  failed.refusal = from.refusal < kRefusalSentences.size() ? static_cast<Refusal>(from.refusal) : Refusal::kNone;
+  failed.contrast_lsb = from.contrast_lsb;
+  failed.noise_lsb = from.noise_lsb;
+  for (std::size_t i = 0; i < kTapDotCount; ++i)
+    failed.dots[i] = dot_of(from.dots[i], from.dots[i].visible_fraction >= kSeenOutline);
+  spots.clear();
+  for (const TapSpot& spot : std::span(from.spots).first(std::min<std::size_t>(from.spot_count, kTapSpotCount)))
+    (void)spots.try_push_back(blob_of(spot));  // a BlobList has room for more
+  failed.spots = spots.span();
+  return failed;
 }
 
 void describe_camera(const CameraModel& camera, const LandmarkGeometry& landmark, TapHeader& header) noexcept {

@@ -1,5 +1,8 @@
 #pragma once
 /// Between what the program knows of a frame, in metres and radians, and what the tap says of it, in mm and degrees.
+#include <optional>
+
+#include "detect/failed_search.h"
 #include "detect/observation.h"
 #include "geometry/camera_model.h"
 #include "geometry/landmark.h"
@@ -10,15 +13,22 @@
 
 namespace ninedot {
 
-/// Fills all of `tap` but its picture and its latency bins. \param seen  the dots; null: none
-/// Memory: none. Threads: pure; the frame loop's.
+/// Fills all of `tap` but its picture, its latency bins and what describe_search tells. \param seen  the dots; null:
+/// none Memory: none. Threads: pure; the frame loop's.
 void describe_frame(const Frame& frame, const Fix& fix, const LandmarkObservation* seen, const Report& report,
                     TapFrame& tap) noexcept;
+
+/// Why nothing was found; none: that is not so. Memory: none. Threads: pure; the frame loop's.
+void describe_search(const std::optional<FailedSearch>& failed, TapFrame& tap) noexcept;
 
 /// What of the report is in the tap, for who draws it: the pose with the variances of its covariance.
 Report report_of(const TapFrame& tap) noexcept;
 /// The dots that the pose rests on. \return  whether there were any
 bool observation_of(const TapFrame& tap, LandmarkObservation& seen) noexcept;
+
+/// What describe_search told. \param spots  filled: what the answer refers to \return  none: the frame's search did not
+/// fail
+std::optional<FailedSearch> search_of(const TapFrame& tap, BlobList& spots) noexcept;
 
 /// Into and out of the tap's header.
 void describe_camera(const CameraModel& camera, const LandmarkGeometry& landmark, TapHeader& header) noexcept;

@@ -1,6 +1,7 @@
 #include "programs/web/live_json.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 
 #include "base/json_text.h"
 #include "base/reason.h"
+#include "base/refusal.h"
 
 namespace ninedot {
 namespace {
@@ -81,12 +83,35 @@ std::string landmark_json(const TapLandmark& landmark) {
       .done();
 }
 
-std::string dots_json(const TapFrame& frame) {
+std::string dots_json(std::span<const TapDot> list) {
   Json dots('[');
-  for (const TapDot& dot : frame.dots)
+  for (const TapDot& dot : list)
     dots.numbers(
         "", std::array{dot.u_px, dot.v_px, dot.semi_major_px, dot.semi_minor_px, dot.angle_deg, dot.visible_fraction});
   return dots.done();
+}
+
+/// To a tenth of a pixel, for eyes: hundreds of them come with each frame that shows no landmark.
+std::string spots_json(std::span<const TapSpot> list) {
+  Json spots('[');
+  for (const TapSpot& spot : list) {
+    const std::array ellipse{spot.u_px, spot.v_px, spot.semi_major_px, spot.semi_minor_px, spot.angle_deg};
+    if (std::ranges::all_of(ellipse, [](float value) { return std::isfinite(value); }))
+      spots.raw("", fmt::format("[{:.1f}]", fmt::join(ellipse, ",")));
+  }
+  return spots.done();
+}
+
+std::string search_json(const TapSearch& search) {
+  return Json()
+      .integer("refusal", search.refusal)
+      .text("why", refusal_sentence(search.refusal))
+      .number("contrast", search.contrast_lsb)
+      .number("noise", search.noise_lsb)
+      .raw("dots", dots_json(search.dots))
+      .integer("spots_seen", search.spots_seen)
+      .raw("spots", spots_json(std::span(search.spots).first(std::min<std::size_t>(search.spot_count, kTapSpotCount))))
+      .done();
 }
 
 std::string cuts_json(const TapFrame& frame) {
@@ -164,7 +189,7 @@ std::string frame_json(const TapFrame& frame, MonoTime now) {
       .raw("in_landmark", pose_json(frame.camera_in_landmark))
       .raw("in_world", pose_json(frame.camera_in_world))
       .raw("body", pose_json(frame.body_in_world))
-      .raw("dots", dots_json(frame))
+      .raw("dots", dots_json(frame.dots))
       .raw("landmarks", landmarks.done())
       .integer("seen", frame.landmarks_seen)
       .integer("rejected", frame.landmarks_rejected)
@@ -172,6 +197,7 @@ std::string frame_json(const TapFrame& frame, MonoTime now) {
       .numbers("latency_bins", frame.latency_bins);
   if (has(tap_flag::kHasTrack))
     json.raw("track", pose_json(frame.track)).numbers("velocity_mm_s", frame.track_velocity_mm_s);
+  if (frame.search.has_failed != 0) json.raw("search", search_json(frame.search));
   if (has(tap_flag::kHasHead)) json.raw("head", head_json(frame));
   return json.done();
 }

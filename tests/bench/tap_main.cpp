@@ -26,8 +26,8 @@ extern "C" [[gnu::noinline]] const void* ninedot_measured_frame(FrameProcessor& 
   return &processor.process(frame);
 }
 extern "C" [[gnu::noinline]] void ninedot_measured_tap(FrameObserver& observer, const Frame& frame, const Fix& fix,
-                                                       const LandmarkObservation* seen, const Report& report) {
-  observer.observe(frame, fix, seen, report);
+                                                       const FrameProcessor& by, const Report& report) {
+  observer.observe(frame, fix, by, report);
 }
 
 namespace {
@@ -75,8 +75,7 @@ int run(const std::string& recording, TapDemand demand, const char* name, int ro
       // As at 35 frames a second, however fast this goes.
       clock += std::chrono::microseconds(28571);
       report = next_report(report, lease->frame, *fix, {.now = clock});
-      tap_us.push_back(
-          time_us([&] { ninedot_measured_tap(observer, lease->frame, *fix, localiser->last_observation(), report); }));
+      tap_us.push_back(time_us([&] { ninedot_measured_tap(observer, lease->frame, *fix, *localiser, report); }));
     }
   }
   const std::size_t count = frame_us.size();

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <vector>
 
 namespace ninedot {
@@ -24,15 +26,17 @@ std::vector<std::uint8_t> sheet_of(int contrast_lsb) {
   return pixels;
 }
 
-bool is_accepted(const std::vector<std::uint8_t>& pixels, double noise_lsb) {
+Verification verification_of(const std::vector<std::uint8_t>& pixels, double noise_lsb) {
   Hypothesis hypothesis;
   hypothesis.H_px_plane << -kPixelsPerMetre, 0, 320, 0, -kPixelsPerMetre, 240, 0, 0, 1;
   hypothesis.blob.fill(-1);
   hypothesis.matched = kDotCount;
   const BlobList blobs;
   return verify_landmark({pixels.data(), 640, 480, 640}, hypothesis.H_px_plane, LandmarkGeometry{}, blobs, hypothesis,
-                         noise_lsb)
-      .accepted;
+                         noise_lsb);
+}
+bool is_accepted(const std::vector<std::uint8_t>& pixels, double noise_lsb) {
+  return verification_of(pixels, noise_lsb).accepted();
 }
 bool is_accepted(int contrast_lsb, double noise_lsb) { return is_accepted(sheet_of(contrast_lsb), noise_lsb); }
 
@@ -77,6 +81,31 @@ TEST(Verify, FaintOutlinesAreEvidenceOnlyWhereThePictureIsQuieter) {
   EXPECT_FALSE(is_accepted(8, 4));
   EXPECT_TRUE(is_accepted(24, 4));
   EXPECT_FALSE(is_accepted(4, 0.2));
+}
+
+TEST(Verify, SaysWhatSpeaksAgainstAGuess) {
+  const LandmarkGeometry sheet;
+  const auto without = [&](std::initializer_list<std::size_t> dots) {
+    return sheet_with(200, [&](const Eigen::Vector2d& plane_m) {
+      return std::ranges::any_of(
+          dots, [&](std::size_t dot) { return (plane_m - sheet.centre_m(dot)).norm() < 1.2 * sheet.radius_m(dot); });
+    });
+  };
+  const auto refusal = [](const std::vector<std::uint8_t>& pixels, double noise_lsb = 1) {
+    return verification_of(pixels, noise_lsb).refusal;
+  };
+  EXPECT_EQ(refusal(sheet_of(120)), Refusal::kNone);
+  EXPECT_EQ(refusal(without({0, 1, 2, 3, 4, 5, 8})), Refusal::kFewOutlines);
+  EXPECT_EQ(refusal(sheet_of(8), 4), Refusal::kFaint);
+  EXPECT_EQ(refusal(without({8})), Refusal::kNoCentre);
+  EXPECT_EQ(refusal(without({2})), Refusal::kOtherPattern) << "a hole between two dots, blank as the paper";
+  const auto joined =
+      sheet_with(80, [](const Eigen::Vector2d& plane_m) { return plane_m.norm() > 0.042 && plane_m.norm() < 0.051; });
+  EXPECT_EQ(refusal(joined), Refusal::kDarkBetween);
+  const Verification v = verification_of(without({8}), 1);
+  EXPECT_NEAR(v.contrast_lsb, 120, 1);
+  EXPECT_EQ(v.visible_fraction[kCentreDot], 0);
+  EXPECT_EQ(v.visible_fraction[0], 1);
 }
 
 }  // namespace

@@ -64,9 +64,9 @@ class Overlay : public testing::Test {
     return seen;
   }
 
-  void draw(const LandmarkObservation* seen, int scale = 2) {
+  void draw(const LandmarkObservation* seen, int scale = 2, const FailedSearch* failed = nullptr) {
     scale_ = scale;
-    draw_overlay(luma_, report_, seen, camera_, geometry_, scale, picture_);
+    draw_overlay(luma_, report_, seen, failed, camera_, geometry_, scale, picture_);
   }
 
   /// A pixel of the kind within `reach` of where the frame pixel is in the picture.
@@ -281,6 +281,30 @@ TEST_F(Overlay, DrawsIntoFramesOfAFewPixels) {
   report_.valid = report_.found = false;
   draw(nullptr, 1);
   EXPECT_GE(picture_.height_px, 16);
+}
+
+bool is_spot(const std::uint8_t* p) { return p[0] < 60 && p[1] > 150 && p[2] > 190; }
+
+TEST_F(Overlay, OutlinesTheSpotsAndTheNearestGuessWhereNothingWasFound) {
+  report_.valid = report_.found = false;
+  report_.reason = Reason::kNoLandmark;
+  const std::array<Blob, 1> spots{{{500, 100, 314, 25, 0, 25, 0}}};  // a disc of 10 px
+  FailedSearch failed;
+  failed.spots = spots;
+  failed.refusal = Refusal::kNoCentre;
+  failed.dots = seen_dots().dots;
+  failed.dots[kCentreDot].seen = false;
+  draw(nullptr, 2, &failed);
+  for (const double angle_rad : {0.3, 1.9, 3.4, 5.9}) {
+    EXPECT_TRUE(has(is_spot, {500 + 10 * std::cos(angle_rad), 100 + 10 * std::sin(angle_rad)}));
+    EXPECT_FALSE(has(is_spot, {500 + 14 * std::cos(angle_rad), 100 + 14 * std::sin(angle_rad)}));
+    EXPECT_TRUE(has(is_outline, dot_edge_px(2, angle_rad)));
+  }
+  EXPECT_GT(count_in_frame(is_hidden), 100) << "P9, dashed";
+  failed.refusal = Refusal::kNone;
+  draw(nullptr, 2, &failed);
+  EXPECT_TRUE(has(is_spot, {510, 100}));
+  EXPECT_EQ(count_in_frame(is_outline), 0) << "there was no guess";
 }
 
 }  // namespace

@@ -137,7 +137,7 @@ TEST(FrameLoop, PublishesEveryFrameWithItsLatencyAndGivesTheBufferBack) {
 class Onlooker final : public FrameObserver {
  public:
   Onlooker(const Mailbox<Report>& reports, const ScriptedSource& source) : reports_(reports), source_(source) {}
-  void observe(const Frame& frame, const Fix& fix, const LandmarkObservation*, const Report& report) noexcept override {
+  void observe(const Frame& frame, const Fix& fix, const FrameProcessor&, const Report& report) noexcept override {
     seen.push_back({frame.number, fix.found, report.frame_number == reports_.read().frame_number, source_.lent});
   }
   struct Sight {

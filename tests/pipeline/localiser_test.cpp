@@ -278,5 +278,31 @@ TEST(PoseQuality, IsZeroForWhatIsNotANumber) {
   EXPECT_EQ(pose_quality(pose), 0);
 }
 
+/// A ring of eight around nothing: it looks like a landmark, and is none.
+test::Picture ring_without_centre() {
+  test::Scene scene = scene_at(1.5);
+  scene.sheets.front().discs.pop_back();
+  return test::render(scene, 3);
+}
+
+TEST(Localiser, TellsWhatASearchSawThatFoundNothingAndOfThatFrameAlone) {
+  Localiser unit(CameraModel{}, {});
+  EXPECT_FALSE(unit.failed_search()) << "there was no frame yet";
+  Report report;
+  test::process_picture(unit, ring_without_centre().view(), MonoTime(1s), 1, report);
+  ASSERT_FALSE(report.valid);
+  ASSERT_TRUE(unit.failed_search());
+  EXPECT_EQ(unit.failed_search()->refusal, Refusal::kNoCentre);
+  const test::Picture landmark = test::render(scene_at(1.5), 1);
+  for (const std::uint64_t frame : {2U, 3U}) {  // searched, and followed
+    test::process_picture(unit, landmark.view(), MonoTime(1s) + frame * 28ms, frame, report);
+    ASSERT_TRUE(report.valid);
+    EXPECT_FALSE(unit.failed_search());
+  }
+  test::process_picture(unit, empty_wall().view(), MonoTime(2s), 4, report);
+  ASSERT_TRUE(unit.failed_search());
+  EXPECT_EQ(unit.failed_search()->refusal, Refusal::kNone);
+}
+
 }  // namespace
 }  // namespace ninedot

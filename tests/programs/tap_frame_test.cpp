@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <optional>
 
 #include "base/units.h"
 
@@ -86,6 +88,54 @@ TEST(TapFrame, BringsTheCameraBack) {
   EXPECT_EQ(back.cy_px, 233.5);
   EXPECT_DOUBLE_EQ(landmark_of(header).ring_radius_m, 0.1);
   EXPECT_DOUBLE_EQ(landmark_of(header).centre_radius_m, 0.03);
+}
+
+TEST(TapFrame, TellsWhyNothingWasFoundAndGivesItBackForAnOverlay) {
+  const auto spots = std::make_unique<BlobList>();
+  // An ellipse of 8 by 4 px, 30 degrees from +u towards +v: moments are a quarter of the semi-axes' squares.
+  const float along = 16, across = 4, cosine = std::cos(0.5236F), sine = std::sin(0.5236F);
+  ASSERT_TRUE(
+      spots->try_push_back({100, 50, 100, along * cosine * cosine + across * sine * sine,
+                            (along - across) * cosine * sine, along * sine * sine + across * cosine * cosine, 1}));
+  FailedSearch failed;
+  failed.spots = spots->span();
+  failed.refusal = Refusal::kNoCentre;
+  failed.contrast_lsb = 90;
+  failed.noise_lsb = 1.5;
+  failed.dots[3] = {true, 0.9F, {120.5, 60.25}, 9, 7, 0.5};
+  failed.dots[4] = {false, 0.5F, {130, 70}, 9, 7, 0.5};
+  TapFrame tap;
+  describe_search(failed, tap);
+  EXPECT_EQ(tap.search.spots_seen, 1U);
+  EXPECT_NEAR(tap.search.spots[0].semi_major_px, 8, 1e-4);
+  EXPECT_NEAR(tap.search.spots[0].semi_minor_px, 4, 1e-4);
+  EXPECT_NEAR(tap.search.spots[0].angle_deg, 30, 1e-2);
+  const auto read = std::make_unique<BlobList>();
+  const auto back = search_of(tap, *read);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->refusal, Refusal::kNoCentre);
+  EXPECT_EQ(back->contrast_lsb, 90);
+  EXPECT_TRUE(back->dots[3].seen);
+  EXPECT_FALSE(back->dots[4].seen);
+  EXPECT_EQ(back->dots[3].centroid_px, failed.dots[3].centroid_px);
+  ASSERT_EQ(back->spots.size(), 1U);
+  EXPECT_NEAR(back->spots[0].xx_px2, (*spots)[0].xx_px2, 1e-4);
+  EXPECT_NEAR(back->spots[0].xy_px2, (*spots)[0].xy_px2, 1e-4);
+  describe_search(std::nullopt, tap);
+  EXPECT_FALSE(search_of(tap, *read)) << "the next frame shows one";
+}
+
+TEST(TapFrame, HoldsTheLargestOfMoreSpotsThanItHasRoomForAndSaysHowManyThereWere) {
+  const auto spots = std::make_unique<BlobList>();
+  for (std::size_t i = 0; i < kTapSpotCount + 50; ++i)
+    ASSERT_TRUE(spots->try_push_back({static_cast<float>(i), 0, 9, 1, 0, 1, 0}));
+  FailedSearch failed;
+  failed.spots = spots->span();
+  TapFrame tap;
+  describe_search(failed, tap);
+  EXPECT_EQ(tap.search.spots_seen, kTapSpotCount + 50);
+  EXPECT_EQ(tap.search.spot_count, kTapSpotCount);
+  EXPECT_EQ(tap.search.spots.back().u_px, static_cast<float>(kTapSpotCount - 1));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ import unittest
 
 from service_harness import APPROACH, PATIENCE_S, SANITIZED, SOURCE, Client, Service, config_text, free_port, int32, run
 
-CODES = {"u16": "H", "u32": "I", "u64": "Q", "i64": "q", "f64": "d", "char": "s"}
+CODES = {"u16": "H", "u32": "I", "u64": "Q", "i64": "q", "f32": "f", "f64": "d", "char": "s"}
 
 
 def documented_layout():
@@ -46,7 +46,7 @@ class Tap:
         self.data = mmap.mmap(self.file.fileno(), 0, prot=mmap.PROT_READ)
         assert member(self.data, "TapHeader", "magic") == b"NINETAP\0"
         assert member(self.data, "TapHeader", "byte_order") == 0x01020304
-        assert member(self.data, "TapHeader", "version") == 1
+        assert member(self.data, "TapHeader", "version") == 2
 
     def header(self, name):
         return member(self.data, "TapHeader", name)
@@ -80,6 +80,7 @@ class Tap:
                 return copy
 
 
+NEGATIVE = SOURCE / "tests" / "recordings" / "negative"
 SLOT = LAYOUT["TapSlot"][""][0]
 
 
@@ -167,6 +168,31 @@ class TapOfAService(unittest.TestCase):
             self.assertEqual(result.returncode, 0, result.stderr)
         width, height = struct.unpack(">II", (self.folder / "seen.png").read_bytes()[16:24])
         self.assertTrue(width > 1280 and height == 960, (width, height))
+
+    def test_says_by_its_document_why_nothing_was_found(self):
+        with Service(config_text(NEGATIVE, extra=f'[tap]\nenabled = true\npath = "{self.path}"\n')):
+            self.wait_until_there()
+            tap = Tap(self.path)
+            self.addCleanup(tap.file.close)
+            tap.announce()
+            searches = []
+            for _ in range(20):
+                copy = tap.newest("frame")
+                search = member(copy, "TapFrame", "search", SLOT)
+                searches.append([member(copy, "TapSearch", name, search) for name in ("has_failed", "refusal", "spots_seen", "spot_count")])
+            result = self.tap("--out", self.folder / "why.png", "--overlay")
+            self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertTrue(all(has_failed == 1 for has_failed, *_ in searches), searches)
+        # On the wall hangs a ring of eight that has no centre.
+        self.assertIn(4, [refusal for _, refusal, *_ in searches])
+        self.assertTrue(all(seen >= count > 50 for *_, seen, count in searches), searches)
+        with self.service():
+            self.wait_until_there()
+            tap = Tap(self.path)
+            self.addCleanup(tap.file.close)
+            tap.announce()
+            copy = tap.newest("frame")
+            self.assertEqual(member(copy, "TapSearch", "has_failed", member(copy, "TapFrame", "search", SLOT)), 0)
 
     def test_nothing_is_copied_while_nobody_reads(self):
         with self.service():

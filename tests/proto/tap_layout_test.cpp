@@ -11,8 +11,8 @@ namespace ninedot {
 namespace {
 
 /// What readers in other languages rely on: written down once more, by hand. A change is another version.
-TEST(TapLayout, OfVersion1IsThis) {
-  EXPECT_EQ(kTapVersion, 1U);
+TEST(TapLayout, OfVersion2IsThis) {
+  EXPECT_EQ(kTapVersion, 2U);
   EXPECT_EQ(std::string(kTapMagic.begin(), kTapMagic.end()), std::string("NINETAP\0", 8));
   EXPECT_EQ(sizeof(TapHeader), 512U);
   EXPECT_EQ(offsetof(TapHeader, version), 8U);
@@ -45,7 +45,13 @@ TEST(TapLayout, OfVersion1IsThis) {
   EXPECT_EQ(offsetof(TapFrame, dots), 728U);
   EXPECT_EQ(offsetof(TapFrame, landmarks), 1160U);
   EXPECT_EQ(offsetof(TapFrame, latency_bins), 3976U);
-  EXPECT_EQ(sizeof(TapFrame), 4136U);
+  EXPECT_EQ(offsetof(TapFrame, search), 4136U);
+  EXPECT_EQ(sizeof(TapFrame), 9720U);
+  EXPECT_EQ(sizeof(TapSpot), 20U);
+  EXPECT_EQ(offsetof(TapSearch, spots_seen), 8U);
+  EXPECT_EQ(offsetof(TapSearch, contrast_lsb), 16U);
+  EXPECT_EQ(offsetof(TapSearch, dots), 32U);
+  EXPECT_EQ(offsetof(TapSearch, spots), 464U);
   EXPECT_EQ(sizeof(TapClient), 88U);
   EXPECT_EQ(sizeof(TapLogLine), 192U);
   EXPECT_EQ(offsetof(TapService, registers), 40U);

@@ -76,13 +76,14 @@ function fill(cover, width, height, outline) {
   }
 }
 
-function drawn(lens, pose) {
+function drawn(lens, pose, lacks) {
   const { width, height } = lens;
   const [sheet, ink] = [new Float64Array(width * height), new Float64Array(width * height)];
   const side = Array.from({ length: 100 }, (_, i) => (2 * SHEET_MM * i) / 100 - SHEET_MM);
   const edge = [...side.map((s) => [s, -SHEET_MM]), ...side.map((s) => [SHEET_MM, s]), ...side.map((s) => [-s, SHEET_MM]), ...side.map((s) => [-SHEET_MM, -s])];
   fill(sheet, width, height, edge.map(([x, z]) => pixelOf(lens, pose, [x, 0, z])));
   DOTS.forEach(([x, , z], i) => {
+    if (i === lacks) return;
     const around = Array.from({ length: 120 }, (_, n) => [x + radiusOf(i) * Math.cos((n * Math.PI) / 60), 0, z + radiusOf(i) * Math.sin((n * Math.PI) / 60)]);
     fill(ink, width, height, around.map((point) => pixelOf(lens, pose, point)));
   });
@@ -93,10 +94,10 @@ function drawn(lens, pose) {
   });
 }
 
-// A recording in `folder`, a frame for each pose.
-export function drawRecording(folder, lens, poses) {
+// A recording in `folder`, a frame for each pose. lacks: a dot that the sheet does not have
+export function drawRecording(folder, lens, poses, { lacks } = {}) {
   fs.mkdirSync(path.join(folder, "frames"), { recursive: true });
-  poses.forEach((pose, i) => fs.writeFileSync(path.join(folder, "frames", `${String(i).padStart(6, "0")}.pgm`), Buffer.concat([Buffer.from(`P5\n${lens.width} ${lens.height}\n255\n`), drawn(lens, pose)])));
+  poses.forEach((pose, i) => fs.writeFileSync(path.join(folder, "frames", `${String(i).padStart(6, "0")}.pgm`), Buffer.concat([Buffer.from(`P5\n${lens.width} ${lens.height}\n255\n`), drawn(lens, pose, lacks)])));
   fs.writeFileSync(path.join(folder, "camera.yaml"), `image_width: ${lens.width}\nimage_height: ${lens.height}\ncamera_name: drawn
 camera_matrix:\n  rows: 3\n  cols: 3\n  data: [${lens.f}, 0, ${(lens.width - 1) / 2}, 0, ${lens.f}, ${(lens.height - 1) / 2}, 0, 0, 1]
 distortion_model: ${lens.model}\ndistortion_coefficients:\n  rows: 1\n  cols: ${lens.k.length}\n  data: [${lens.k.join(", ")}]\n`);

@@ -43,7 +43,28 @@ TEST(LiveJson, OfADamagedCountStaysWithinWhatThereIs) {
   TapFrame frame;
   frame.landmark_count = 4000000000;
   frame.landmarks[0].candidate_count = 4000000000;
-  EXPECT_LT(frame_json(frame, MonoTime{}).size(), 20000U);
+  frame.search.has_failed = 1;
+  frame.search.spot_count = 4000000000;
+  frame.search.refusal = 4000000000;
+  EXPECT_LT(frame_json(frame, MonoTime{}).size(), 40000U);
+}
+
+TEST(LiveJson, TellsWhyNothingWasFoundAndOnlyThen) {
+  TapFrame frame;
+  EXPECT_EQ(frame_json(frame, MonoTime{}).find("\"search\""), std::string::npos);
+  frame.search.has_failed = 1;
+  frame.search.refusal = 4;
+  frame.search.spots_seen = 300;
+  frame.search.spot_count = 3;
+  frame.search.spots[0] = {100.25F, 50, 8, 4, 30};
+  frame.search.spots[1].u_px = std::numeric_limits<float>::quiet_NaN();
+  frame.search.spots[2] = {1, 2, 3, 4, 5};
+  const std::string json = frame_json(frame, MonoTime{});
+  EXPECT_NE(json.find(R"("refusal":4,"why":"it has no ninth dot in its middle")"), std::string::npos) << json;
+  EXPECT_NE(json.find(R"("spots_seen":300,"spots":[[100.2,50.0,8.0,4.0,30.0],[1.0,2.0,3.0,4.0,5.0]])"),
+            std::string::npos)
+      << json;
+  EXPECT_EQ(json.find("nan"), std::string::npos);
 }
 
 TEST(LiveJson, PutsTheLoneLandmarkAtTheWorldsOrigin) {

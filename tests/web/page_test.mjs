@@ -4,6 +4,7 @@ import fs from "node:fs";
 import path from "node:path";
 import { after, before, test } from "node:test";
 
+import { drawRecording, looking } from "./drawn.mjs";
 import { PICTURES, SIZES, Stage, browser, openPage, pause, until } from "./stage.mjs";
 
 let stage, chrome;
@@ -78,6 +79,15 @@ test("the overlay puts each disc where its dot was seen", async () => {
   assert.ok(median < 0.3 && far.at(-1) < 3, `pixels from disc to dot: median ${median}, most ${far.at(-1)}`);
   await close();
 });
+
+// Pixels of the picture that are of about this colour.
+const coloured = (page, colour) => page.evaluate((wanted) => {
+  const canvas = document.querySelector("#picture");
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4) count += wanted.every((value, k) => Math.abs(data[i + k] - value) < 30) ? 1 : 0;
+  return count;
+}, colour);
 
 test("the picture is the recording's, and the overlay is drawn into it", async () => {
   const { page, close } = await open("live");
@@ -234,15 +244,26 @@ test("the keyboard is enough", async () => {
   await close();
 });
 
-test("nothing found is said, and what to do", async () => {
-  const dark = await Stage.open({ recording: "negative" });
+test("nothing found is said, and why, and what to do", async (t) => {
+  const folder = fs.mkdtempSync("/dev/shm/ninedot-centreless-");
+  const lens = { model: "plumb_bob", k: [0, 0, 0, 0, 0], f: 720, width: 640, height: 480 };
+  drawRecording(folder, lens, [looking([120, 620, -80], [60, 0, -20])], { lacks: 8 });
+  const dark = await Stage.open({ camera: `source = "recording"\ndevice = "${folder}"\nrate_hz = 35.0` });
   const { page, close } = await open("live", { on: dark });
-  await page.waitForFunction(() => document.querySelector("#verdict.bad, #verdict.warn")?.textContent.length > 40);
+  t.after(async () => {
+    await close();
+    await dark.close();
+    fs.rmSync(folder, { recursive: true });
+  });
+  await page.waitForFunction(() => /no landmark.*nearest.*no ninth dot.*middle/is.test(document.querySelector("#verdict.bad, #verdict.warn")?.textContent));
   await page.waitForFunction(() => document.querySelector("#picture")?.dataset.frame > 0);
+  const [spot, found, lacking] = [[0x40, 0xd0, 0xff], [0xff, 0xb0, 0x20], [0xff, 0x8c, 0x28]];
+  assert.ok(await coloured(page, spot) > 1000, "the dark spots");
+  assert.ok(await coloured(page, found) > 300, "the eight that are there");
+  assert.ok(await coloured(page, lacking) > 20, "the one that is not");
   await page.screenshot({ path: path.join(PICTURES, "live-nothing.png"), fullPage: true });
-  assert.match(await page.locator("#verdict").textContent(), /no landmark.*(nine dots|resembles|looks like)/is);
-  await close();
-  await dark.close();
+  await page.getByRole("button", { name: "Other readings" }).click();
+  assert.equal(await coloured(page, spot), 0);
 });
 
 test("a service that ends and comes back is told, and the page goes on by itself", async () => {

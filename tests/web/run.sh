@@ -22,7 +22,7 @@ if [[ ${1:-} == smoke ]]; then
   exec node --test --test-name-pattern "light, on a desktop|both word orders|nothing found|each disc" page_test.mjs
 fi
 if [[ ${1:-} == pictures ]]; then
-  node --test --test-name-pattern "is shown" page_test.mjs
+  node --test --test-name-pattern "is shown|nothing found" page_test.mjs
   node --test --test-name-pattern "is shown" aim_test.mjs
   node --test --test-name-pattern "is shown" recordings_test.mjs
   node --test --test-name-pattern "is shown" ar_test.mjs
@@ -31,6 +31,7 @@ if [[ ${1:-} == pictures ]]; then
   node --test --test-name-pattern "is shown" calibrate_head_test.mjs
   made=${NINEDOT_WEB_PICTURES:-${NINEDOT_BIN_DIR:-../../build/release/bin}/../web}
   cp "$made/live-light-desktop.png" ../../docs/page-live.png
+  cp "$made/live-nothing.png" ../../docs/page-live-nothing.png
   cp "$made/focus-light-desktop.png" ../../docs/page-focus.png
   cp "$made/calibrate-light-desktop.png" ../../docs/page-calibrate.png
   cp "$made/calibrate-head-light-desktop.png" ../../docs/page-calibrate-head.png

@@ -2,6 +2,7 @@
 import { decimalsFor, element, fixed, saveAs, setText, tellNoFrame, tellVerdict } from "./dom.js";
 import { draw } from "./overlay.js";
 import { lines } from "./plot.js";
+import { whyNothing } from "./search.js";
 
 const ADVICE = {
   2: "Is the sheet in view, lit, and printed as `ninedot pattern` makes it? Nothing in this picture has nine dots on a ring.",
@@ -40,7 +41,7 @@ export class LiveView {
     this.canvas = element("canvas", { id: "picture", role: "img", "aria-label": "the newest picture with what was found in it", width: 640, height: 480 });
     this.age = element("span.soft");
     this.stage = element("section.card.stage", {}, this.canvas, element("div.tools", {}, this.freezeButton, toggle("overlay", "Overlay", "What was found, drawn over the picture"),
-      toggle("candidates", "Other readings", "Readings of the picture that are not believed, thin and dashed"),
+      toggle("candidates", "Other readings", "Readings of the picture that are not believed, thin and dashed; where nothing is found, the dark spots and the nearest guess"),
       this.fullButton, element("button", { type: "button", title: "As PNG, as it is shown (s)", onclick: () => this.save() }, "Save"),
       element("span.spacer"), this.age));
     this.verdict = element("div.verdict", { id: "verdict", role: "status" });
@@ -133,7 +134,7 @@ export class LiveView {
     const kind = frame.valid && !isLate ? (frame.calibrated ? "good" : "warn") : frame.found ? "warn" : "bad";
     const words = frame.valid && !isLate
       ? [`Landmark ${frame.landmark} found`, frame.calibrated ? (frame.tracking ? "tracking" : "full search") : "not calibrated: run with a camera.yaml of this camera"]
-      : [isLate && frame.valid ? "No new frame" : sentence(why), isLate && frame.valid ? ADVICE[4] : ADVICE[reason] ?? ""];
+      : [isLate && frame.valid ? "No new frame" : sentence(why), isLate && frame.valid ? ADVICE[4] : (frame.search && whyNothing(frame.search)) || (ADVICE[reason] ?? "")];
     tellVerdict(this.verdict, kind, ...words);
     const pose = frame.in_world;
     this.pose.className = frame.valid && !isLate ? "pose" : "pose stale";

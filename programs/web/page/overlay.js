@@ -1,8 +1,9 @@
 // What was found, drawn over the picture: discs and ring as the pose has them, axes, the dots as they were seen, and
 // beside a small landmark a magnified cut-out. Readings that are not believed are drawn thin.
 import { projector, dotCentre, circle } from "./projection.js";
+import { hasGuess, isSeen } from "./search.js";
 
-const COLOURS = { disc: "#ff3cdc", hidden: "#ff8c28", ring: "#00bee6", seen: "#ffeb00", other: "#ffffff", doubt: "#ffb020" };
+const COLOURS = { disc: "#ff3cdc", hidden: "#ff8c28", ring: "#00bee6", seen: "#ffeb00", other: "#ffffff", doubt: "#ffb020", spot: "#40d0ff" };
 const AXES = [["X", [1, 0, 0], "#ff4848"], ["Z", [0, 0, 1], "#6090ff"], ["Y", [0, 1, 0], "#28dc46"]];
 const SMALL_PX = 100;
 // A reading that explains the picture so much worse is none any more: odds of one in 300,000.
@@ -42,12 +43,27 @@ function drawSeen(context, dots, unit) {
 // Where no pose is believed: the outlines as they were seen.
 function drawOutlines(context, dots, unit) {
   for (const [u, v, major, minor, angle, visible] of dots) {
-    if (!visible) continue;
-    context.strokeStyle = COLOURS.doubt;
-    context.lineWidth = 2 * unit;
-    context.beginPath();
-    context.ellipse(u, v, major, minor, (angle * Math.PI) / 180, 0, 2 * Math.PI);
-    context.stroke();
+    if (visible) ellipse(context, [u, v, major, minor, angle], COLOURS.doubt, 2 * unit);
+  }
+}
+
+function ellipse(context, [u, v, major, minor, angle], colour, width, dash = []) {
+  context.setLineDash(dash);
+  context.strokeStyle = colour;
+  context.lineWidth = width;
+  context.beginPath();
+  context.ellipse(u, v, major, minor, (angle * Math.PI) / 180, 0, 2 * Math.PI);
+  context.stroke();
+  context.setLineDash([]);
+}
+
+// Where nothing was found: the dark spots, and the dots of the guess that came nearest, dashed where none is there.
+function drawSearch(context, search, unit) {
+  for (const spot of search.spots) ellipse(context, spot, COLOURS.spot, unit);
+  if (!hasGuess(search)) return;
+  for (const dot of search.dots) {
+    if (isSeen(dot)) ellipse(context, dot, COLOURS.doubt, 2 * unit);
+    else ellipse(context, dot, COLOURS.hidden, 1.5 * unit, [3 * unit, 3 * unit]);
   }
 }
 
@@ -134,6 +150,7 @@ export function draw(canvas, picture, camera, frame, options) {
   const line = Math.max(1, canvas.width / 900);
   const span = spanOf(camera, frame);
   place(scale, [0, 0]);
+  if (frame.search && options.candidates) drawSearch(context, frame.search, line / scale);
   if (!span || span.size > SMALL_PX) return drawFound(context, camera, frame, options, line / scale);
   drawBrackets(context, span, line / scale);
   // The cut-out, in the corner that is furthest from the landmark.
