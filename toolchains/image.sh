@@ -42,11 +42,11 @@ version=$(dpkg-deb -f "$kernel"_*.deb Version) abi=${kernel#linux-image-}
 source=linux-source-$(echo "$abi" | cut -d . -f 1,2)
 apt-get download "linux-headers-$abi=$version" "linux-headers-${abi%-arm64}-common=$version" "linux-kbuild-${abi%-arm64}=$version" "$source=$version"'
 
-# debian_base DEB: the folder with Debian's part, made if need be. The packages that the ninedot package asks for are in it.
+# debian_base DEB...: the folder with Debian's part, made if need be. The packages that ours ask for are in it.
 debian_base() {
   local names key base log option=() place sources
   sources=$(board_sources)
-  names=$( (dpkg-deb -f "$1" Depends | tr ',' '\n' | sed 's/|.*//; s/(.*//; s/ //g'
+  names=$( (for place in "$@"; do dpkg-deb -f "$place" Depends; done | tr ',' '\n' | sed 's/|.*//; s/(.*//; s/ //g' | grep -v '^ninedot$'
     sed 's/#.*//; s/ //g' systemd/image/packages.txt) | grep . | sort -u)
   key=$(sha256sum <<< "$sources $names ${left_out[*]} $download_kernel" | cut -c 1-12)
   base=$ninedot_cache/board-$key
@@ -83,15 +83,16 @@ fill_root() {
   unpack "$root"/board/linux-image-*.deb "$root" "${option[@]}"
   version=$(basename "$root"/usr/lib/modules/*)
   depmod -b "$root" "$version"
-  in_root "$root" "$(dirname "$deb")" dpkg -i "$(basename "$deb")"
+  in_root "$root" "$(dirname "$deb")" dpkg -i "$(basename "$deb")" "$(basename "$web_deb")"
   cp -r systemd/image/root/. "$root/"
-  in_root "$root" "$PWD" systemctl enable ninedot-configure.service systemd-networkd.service ssh.service
+  # The page and ssh wait for a file of the FAT partition: conditions of their units.
+  in_root "$root" "$PWD" systemctl enable ninedot-configure.service systemd-networkd.service ssh.service ninedot-web.service
   # Work for a system that updates itself, and logins that nobody has a password for.
   in_root "$root" "$PWD" systemctl mask apt-daily.timer apt-daily-upgrade.timer dpkg-db-backup.timer e2scrub_all.timer e2scrub_reap.service \
     fstrim.timer getty-static.service
   mkdir -p "$root/etc/systemd/system-generators"
   ln -s /dev/null "$root/etc/systemd/system-generators/systemd-ssh-generator"
-  mkdir -p "$root/data" "$root/var/lib/ninedot"
+  mkdir -p "$root/data" "$root/var/lib/ninedot" "$root/var/lib/ninedot-web"
   echo ninedot > "$root/etc/hostname"
   printf '127.0.0.1 localhost\n127.0.1.1 ninedot\n::1 localhost\n' > "$root/etc/hosts"
   : > "$root/etc/machine-id"
@@ -158,7 +159,8 @@ start=$((4 + fat_mib + root_mib))MiB, size=${data_mib}MiB, type=83" | sfdisk -q 
 
 NINEDOT_JOBS=${NINEDOT_JOBS:-$(nproc)} toolchains/cross.sh arm64
 deb=$(ls build/package-arm64/package/ninedot_*_arm64.deb)
-base=$(debian_base "$deb")
+web_deb=$(ls build/package-arm64/package/ninedot-web_*_arm64.deb)
+base=$(debian_base "$deb" "$web_deb")
 modules=$(toolchains/modules.sh "$base/board")
 work=$(mktemp -d "$ninedot_cache/board-work-XXXXXX")
 log=

@@ -11,6 +11,7 @@ from qemu_board import Board, Failure
 
 MAGIC, STATUS_VALID = 0x9D09, 1
 BOOT_LIMIT_S = 300  # a busy machine emulates slowly
+TOKEN = "0123456789abcdef0123456789abcdef"  # as boot_test.sh has it
 CONFIG = "/etc/ninedot/ninedot.toml"
 DRIVERS = {"bcm2835-unicam", "imx219", "imx296", "ov5647", "ov9282", "pwm-pca9685", "sc16is7xx", "sc16is7xx_i2c", "sc16is7xx_spi", "v4l2-cci"}
 
@@ -138,6 +139,23 @@ def check_told_overlay(board):
     note("a wrong dtoverlay line in config.txt", "told in journal and kernel log with the names there are; the board starts")
 
 
+def check_page(board):
+    """With web-token on the FAT partition: served, to who has the token."""
+    end = time.monotonic() + 120
+    while board.page("/") is None and time.monotonic() < end:
+        board.listen(1)
+    answer = board.page("/")
+    require(answer and answer[0] == 200 and b"ninedot" in answer[1], f"the page: {answer and answer[0]}; " + board.run("journalctl -u ninedot-web -n 20 --no-pager -o cat"))
+    answer = board.page("/api/registers")
+    require(answer and answer[0] == 401, f"without the token: {answer}")
+    answer = board.page("/api/registers", TOKEN)
+    require(answer and answer[0] == 200, f"with the token: {answer}")
+    mode = board.run("stat -c '%a %U' /etc/ninedot/web-token")
+    require(mode == "600 ninedot-web", f"the token's file: {mode}")
+    memory = int(board.run("systemctl show -P MemoryCurrent ninedot-web")) >> 20
+    note("the page, with web-token on the FAT partition", f"served, to who has the token; {memory} MiB of memory")
+
+
 def check_restarts(board):
     before = int(board.run("systemctl show -P NRestarts ninedotd"))
     for what, signal, because in (("crash (kill -9)", "KILL", "signal"), ("hang (kill -STOP), ended by the watchdog", "STOP", "watchdog")):
@@ -221,10 +239,14 @@ def check_new_configuration(board, work):
         text = file.read()
     board.put_on_fat(text + "# edited on the card\n", "ninedot.toml")
     board.put_on_fat("cabinet-8\n", "hostname")
+    board.take_from_fat("web-token")
     start_again(board)
     require(config_sum(board) == config_on_fat(work), "the new configuration was not taken over")
     require(board.run("cat /proc/sys/kernel/hostname") == "cabinet-8", "the new hostname was not taken over")
     require(board.run("cat /var/lib/ninedot/kept") == "kept", "/var/lib/ninedot was not kept")
+    require(board.run("systemctl show -P ActiveState ninedot-web") == "inactive" and board.page("/") is None, "the page is served without its token")
+    require(board.try_run("test -e /etc/ninedot/web-token")[0] != 0, "the token is still there")
+    note("web-token taken from the FAT partition", "the page is off")
     note("configuration changed on the board, then on the FAT partition", "kept over a restart, then replaced")
 
 
@@ -258,6 +280,7 @@ def main():
         check_system(board)
         check_drivers(board)
         check_told_overlay(board)
+        check_page(board)
         check_restarts(board)
         check_power_cuts(board, arguments.power_cuts, random.Random("power cuts"))
         check_new_configuration(board, arguments.work)

@@ -25,11 +25,13 @@ tests/board/overlays_test.py "$work/trees"
 # What a person would put on the FAT partition before the first boot: edited on a system with other line ends.
 mcopy -i "$work/board.img@@4M" ::ninedot.toml "$work/ninedot.toml"
 sed -i 's/^listen = .*/listen = "0.0.0.0"/; s/$/\r/' "$work/ninedot.toml"
+printf '\r\n[tap]\r\nenabled = true\r\n[web]\r\nlisten = "0.0.0.0"\r\ntoken_file = "/etc/ninedot/web-token"\r\n' >> "$work/ninedot.toml"
+printf '0123456789abcdef0123456789abcdef\r\n' > "$work/web-token"
 printf 'cabinet-7\r\n' > "$work/hostname"
 printf '[Match]\nType=ether\n\n[Network]\nDHCP=yes\nAddress=10.0.2.77/24\n' > "$work/network"
 mcopy -i "$work/board.img@@4M" ::config.txt "$work/config.txt"
 printf 'dtoverlay=camera-ov9821\r\n' >> "$work/config.txt"  # no such overlay
 ssh-keygen -q -t ed25519 -N '' -C boot_test -f "$work/key"
 cp "$work/key.pub" "$work/authorized_keys"
-mcopy -o -i "$work/board.img@@4M" "$work"/{ninedot.toml,hostname,network,authorized_keys,config.txt} ::
+mcopy -o -i "$work/board.img@@4M" "$work"/{ninedot.toml,hostname,network,authorized_keys,web-token,config.txt} ::
 exec python3 tests/board/boot_test.py --work "$work" --kernel "$work/vmlinuz" --initrd "$work/initrd.gz" --power-cuts "$cuts"

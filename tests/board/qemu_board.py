@@ -1,5 +1,6 @@
 """The board image in QEMU: power on and off, a root shell on its virtual console, Modbus TCP through its emulated network."""
 
+import http.client
 import re
 import socket
 import struct
@@ -27,7 +28,7 @@ class Board:
         self.work, self.kernel, self.initrd = work, kernel, initrd
         self.qemu = self.console = None
         self.heard = b""
-        self.port, self.ssh_port = free_port(), free_port()
+        self.port, self.ssh_port, self.page_port = free_port(), free_port(), free_port()
         self.asked = 0
 
     def power_on(self):
@@ -36,7 +37,8 @@ class Board:
             ["qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a53", "-smp", "2", "-m", "1G", "-accel", "tcg,thread=multi",
              "-kernel", self.kernel, "-initrd", self.initrd, "-append", COMMAND_LINE,
              "-drive", f"file={self.work}/board.img,format=raw,if=none,id=d0", "-device", "virtio-blk-pci,drive=d0",
-             "-netdev", f"user,id=n0,hostfwd=tcp:127.0.0.1:{self.port}-:1502,hostfwd=tcp:127.0.0.1:{self.ssh_port}-:22",
+             "-netdev", f"user,id=n0,hostfwd=tcp:127.0.0.1:{self.port}-:1502,hostfwd=tcp:127.0.0.1:{self.ssh_port}-:22,"
+             f"hostfwd=tcp:127.0.0.1:{self.page_port}-:8090",
              "-device", "virtio-net-pci,netdev=n0,romfile=",
              "-chardev", f"socket,id=c0,path={path},server=on,wait=off,logfile={self.work}/shell.log,logappend=on",
              "-device", "virtio-serial-pci", "-device", "virtconsole,chardev=c0",
@@ -82,6 +84,22 @@ class Board:
         with open(path, "w", encoding="ascii") as file:
             file.write(text)
         subprocess.run(["mcopy", "-o", "-i", f"{self.work}/board.img@@{self.partition(1)[0]}", path, "::"], check=True)
+
+    def take_from_fat(self, name):
+        """A file of the configuration partition is deleted, likewise."""
+        subprocess.run(["mdel", "-i", f"{self.work}/board.img@@{self.partition(1)[0]}", f"::{name}"], check=True)
+
+    def page(self, path, token=""):
+        """Returns HTTP status and body of the board's page, or None while nobody answers"""
+        line = http.client.HTTPConnection("127.0.0.1", self.page_port, timeout=20)
+        try:
+            line.request("GET", path, headers={"Authorization": f"Bearer {token}"} if token else {})
+            answer = line.getresponse()
+            return answer.status, answer.read()
+        except (OSError, http.client.HTTPException):
+            return None
+        finally:
+            line.close()
 
     def log_in(self, command):
         """By ssh with the key that boot_test.sh made. Returns exit status and output"""
