@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -289,6 +291,48 @@ TEST(RoomLocaliser, AllocatesNothing) {
     codes.process(frame_of(coded, number));
   }
   EXPECT_EQ(guard.allocations(), 0U);
+}
+
+/// The first sheet of the wall, changed.
+template <typename Change>
+test::Picture picture_of_changed(Change change) {
+  test::Scene scene = scene_of({kWall[0]}, {.distance_m = 1.2, .tilt_rad = 0.3});
+  scene.sheets.front().x_m = scene.sheets.front().z_m = 0;
+  change(scene.sheets.front());
+  return test::render(scene, 1);
+}
+
+TEST(RoomLocaliser, TellsWhatASearchSawThatFoundNothingAndOfThatFrameAlone) {
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_wall()});
+  EXPECT_FALSE(unit.failed_search()) << "there was no frame yet";
+  const test::Picture centreless = picture_of_changed([](test::Sheet& sheet) { sheet.discs.pop_back(); });
+  EXPECT_FALSE(unit.process(frame_of(centreless, 1)).found);
+  ASSERT_TRUE(unit.failed_search());
+  EXPECT_EQ(unit.failed_search()->refusal, Refusal::kNoCentre);
+  const test::Picture whole = picture_of_changed([](test::Sheet&) {});
+  EXPECT_TRUE(unit.process(frame_of(whole, 2)).found);
+  EXPECT_FALSE(unit.failed_search());
+}
+
+TEST(RoomLocaliser, SaysOfASheetWhoseDotsAreElsewhereThatItDoesNotFit) {
+  // The ring's dots 4 mm further out or in: seen as a landmark, and refuted by its outlines.
+  const test::Picture picture = picture_of_changed([](test::Sheet& sheet) {
+    const std::array<double, kRingDotCount> out{1, -1, -1, 1, 1, -1, 1, -1};
+    for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
+      sheet.discs[dot].x_m *= 1 + 0.05 * out[dot];
+      sheet.discs[dot].z_m *= 1 + 0.05 * out[dot];
+    }
+  });
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_wall()});
+  EXPECT_FALSE(unit.process(frame_of(picture, 1)).found);
+  ASSERT_TRUE(unit.failed_search());
+  const FailedSearch failed = *unit.failed_search();
+  EXPECT_EQ(failed.refusal, Refusal::kPoorFit);
+  EXPECT_TRUE(failed.has_guess());
+  for (const DotObservation& dot : failed.dots)
+    EXPECT_TRUE(std::ranges::any_of(failed.spots, [&](const Blob& spot) {
+      return (Eigen::Vector2d(spot.x_px, spot.y_px) - dot.centroid_px).norm() < dot.semi_major_px;
+    }));
 }
 
 }  // namespace
