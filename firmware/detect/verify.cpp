@@ -23,7 +23,7 @@ constexpr double kMinContrast_lsb =
 constexpr double kContrastPerNoise = 3;  // below, sixteen directions in which it is brighter outside are no evidence
 constexpr double kMinShare = 0.35;       // of the landmark's typical contrast, scaled by the local light
 constexpr double kLeastLight = 0.3, kMostLight = 1.5;  // beyond these paper is not lit differently but another thing
-constexpr float kSeen = kSeenOutline;
+constexpr float kSeen = kSeenOutline;                  // the dot is there, whole
 constexpr float kFlawless = 1;
 constexpr float kPartly = 5.0F / kDirections;  // a dot that something hides in part
 // Three dots, two halves beside them and half of P9, which counts twice: half a sheet, 3 + 1 + 1, less a direction or

@@ -30,6 +30,9 @@ constexpr double kAxisLength_radii = 0.75;  // of the ring: the tips end before 
 // Every 2.5 deg, first = last: a chord is off by 2.4e-4 of the radius, 0.24 px at a radius of 1000.
 constexpr std::size_t kCirclePoints = 145;
 
+// Of a guess that is none dots may be anywhere: beyond this nothing of them would be in the picture.
+constexpr double kFarthest_px = 1e5;
+
 using Circle = std::array<Vector3, kCirclePoints>;
 
 Circle circle_m(const Vector2& centre_m, double radius_m) {
@@ -147,6 +150,7 @@ void draw_centroids(Canvas& canvas, const Scene& scene) {
 /// An outline as it was seen. \param dash_px  of the picture; 0 = unbroken
 void draw_ellipse(Canvas& canvas, const DotObservation& dot, const Colour& colour, double width_px,
                   double dash_px = 0) {
+  if (!(dot.centroid_px.lpNorm<Eigen::Infinity>() + dot.semi_major_px < kFarthest_px)) return;  // or not a number
   const Vector2 along(std::cos(dot.angle_rad), std::sin(dot.angle_rad)), across(-along.y(), along.x());
   double length_px = 0;
   Vector2 before = canvas.at(dot.centroid_px + dot.semi_major_px * along);

@@ -10,8 +10,8 @@ class FrameObserver {
  public:
   virtual ~FrameObserver() = default;
   /// All of it is valid until this returns, the pixels too. The report has been published, so that nobody waits for
-  /// this but the next frame. \param fix  what `by` made of the frame, as it says it \param by  for what else it has to
-  /// tell Memory: none. Threads: the frame loop's; must wait for nobody.
+  /// this but the next frame. \param fix  what `by` made of the frame \param by  for what else there is to ask
+  /// Memory: none. Threads: the frame loop's; must wait for nobody.
   virtual void observe(const Frame& frame, const Fix& fix, const FrameProcessor& by, const Report& report) noexcept = 0;
 };
 

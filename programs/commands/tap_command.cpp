@@ -66,11 +66,19 @@ class Tap {
   TapCopy copy_;
 };
 
+/// What came nearest to a landmark where none was found, in brackets; else nothing.
+std::string nearest_guess(const TapFrame& frame) {
+  const auto spots = std::make_unique<BlobList>();
+  const auto failed = search_of(frame, *spots);
+  if (!failed || !failed->has_guess()) return {};
+  return fmt::format(" (of what comes nearest: {})", refusal_sentence(static_cast<std::uint32_t>(failed->refusal)));
+}
+
 std::string report_line(const TapFrame& frame) {
   const std::string about =
       fmt::format("frame {}, latency {:.1f} ms", frame.number, static_cast<double>(frame.latency_ns) / 1e6);
   if ((frame.flags & tap_flag::kValid) == 0)
-    return fmt::format("not valid: {}; {}", reason_sentence(frame.reason), about);
+    return fmt::format("not valid: {}{}; {}", reason_sentence(frame.reason), nearest_guess(frame), about);
   const TapPose& pose = frame.camera_in_world;
   return fmt::format(
       "valid: x {:.3f} y {:.3f} z {:.3f} mm, 1-sigma {:.3f} {:.3f} {:.3f} mm, landmark {}, {} of 9 dots, residual "

@@ -13,12 +13,12 @@
 
 namespace ninedot {
 
-/// Fills all of `tap` but its picture, its latency bins and what describe_search tells. \param seen  the dots; null:
-/// none Memory: none. Threads: pure; the frame loop's.
+/// Fills all of `tap` but its picture, its latency bins and its search. \param seen  the dots; null: none
+/// Memory: none. Threads: pure; the frame loop's.
 void describe_frame(const Frame& frame, const Fix& fix, const LandmarkObservation* seen, const Report& report,
                     TapFrame& tap) noexcept;
 
-/// Why nothing was found; none: that is not so. Memory: none. Threads: pure; the frame loop's.
+/// Fills its search: why nothing was found; none: that is not so. Memory: none. Threads: pure; the frame loop's.
 void describe_search(const std::optional<FailedSearch>& failed, TapFrame& tap) noexcept;
 
 /// What of the report is in the tap, for who draws it: the pose with the variances of its covariance.
@@ -26,8 +26,7 @@ Report report_of(const TapFrame& tap) noexcept;
 /// The dots that the pose rests on. \return  whether there were any
 bool observation_of(const TapFrame& tap, LandmarkObservation& seen) noexcept;
 
-/// What describe_search told. \param spots  filled: what the answer refers to \return  none: the frame's search did not
-/// fail
+/// Its search again. \param spots  filled: what the answer refers to \return  none: it did not fail
 std::optional<FailedSearch> search_of(const TapFrame& tap, BlobList& spots) noexcept;
 
 /// Into and out of the tap's header.

@@ -305,6 +305,12 @@ TEST_F(Overlay, OutlinesTheSpotsAndTheNearestGuessWhereNothingWasFound) {
   draw(nullptr, 2, &failed);
   EXPECT_TRUE(has(is_spot, {510, 100}));
   EXPECT_EQ(count_in_frame(is_outline), 0) << "there was no guess";
+  failed.refusal = Refusal::kFewOutlines;
+  for (const double far : {1e9, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    for (DotObservation& dot : failed.dots) dot.centroid_px = {far, -far};
+    draw(nullptr, 2, &failed);
+    EXPECT_EQ(count_in_frame(is_hidden), 0);
+  }
 }
 
 }  // namespace

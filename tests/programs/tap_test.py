@@ -1,10 +1,12 @@
 """The tap from outside: `ninedot tap`, and a reader that knows of it what docs/tap.md says and nothing else."""
 
 import fcntl
+import math
 import mmap
 import os
 import pathlib
 import re
+import shutil
 import signal
 import struct
 import tempfile
@@ -80,7 +82,6 @@ class Tap:
                 return copy
 
 
-NEGATIVE = SOURCE / "tests" / "recordings" / "negative"
 SLOT = LAYOUT["TapSlot"][""][0]
 
 
@@ -169,23 +170,39 @@ class TapOfAService(unittest.TestCase):
         width, height = struct.unpack(">II", (self.folder / "seen.png").read_bytes()[16:24])
         self.assertTrue(width > 1280 and height == 960, (width, height))
 
+    def ring_without_centre(self):
+        """A recording of one picture: the landmark from in front, 200 px across, P9 painted over"""
+        recording = self.folder / "centreless"
+        (recording / "frames").mkdir(parents=True)
+        shutil.copy(APPROACH / "camera.yaml", recording)
+        dots = [(320 + 100 * math.sin(i * math.pi / 4), 240 - 100 * math.cos(i * math.pi / 4)) for i in range(8)]
+        shade = lambda u, v: 30 if any(math.hypot(u - x, v - y) < 16 for x, y in dots) else 210 if max(abs(u - 320), abs(v - 240)) < 140 else 120
+        (recording / "frames" / "000000.pgm").write_bytes(b"P5\n640 480\n255\n" + bytes(shade(u, v) for v in range(480) for u in range(640)))
+        return recording
+
     def test_says_by_its_document_why_nothing_was_found(self):
-        with Service(config_text(NEGATIVE, extra=f'[tap]\nenabled = true\npath = "{self.path}"\n')):
+        with Service(config_text(self.ring_without_centre(), extra=f'[tap]\nenabled = true\npath = "{self.path}"\n')):
             self.wait_until_there()
             tap = Tap(self.path)
             self.addCleanup(tap.file.close)
             tap.announce()
-            searches = []
-            for _ in range(20):
-                copy = tap.newest("frame")
-                search = member(copy, "TapFrame", "search", SLOT)
-                searches.append([member(copy, "TapSearch", name, search) for name in ("has_failed", "refusal", "spots_seen", "spot_count")])
+            copy = tap.newest("frame")
+            search = member(copy, "TapFrame", "search", SLOT)
+            has_failed, refusal, seen, count = (member(copy, "TapSearch", name, search) for name in ("has_failed", "refusal", "spots_seen", "spot_count"))
+            size = LAYOUT["TapDot"][""][0]
+            dots = [[member(copy, "TapDot", name, member(copy, "TapSearch", "dots", search) + i * size) for name in ("u_px", "v_px", "visible_fraction")] for i in range(9)]
+            size = LAYOUT["TapSpot"][""][0]
+            spots = [[member(copy, "TapSpot", name, member(copy, "TapSearch", "spots", search) + i * size) for name in ("u_px", "v_px", "semi_major_px", "semi_minor_px")]
+                     for i in range(count)]
             result = self.tap("--out", self.folder / "why.png", "--overlay")
             self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertTrue(all(has_failed == 1 for has_failed, *_ in searches), searches)
-        # On the wall hangs a ring of eight that has no centre.
-        self.assertIn(4, [refusal for _, refusal, *_ in searches])
-        self.assertTrue(all(seen >= count > 50 for *_, seen, count in searches), searches)
+            self.assertIn("no landmark (of what comes nearest: it has no ninth dot in its middle);", result.stdout)
+        self.assertEqual((has_failed, refusal), (1, 4))
+        self.assertTrue(seen == count >= 8, (seen, count))
+        self.assertEqual([visible > 0.9 for *_, visible in dots], 8 * [True] + [False])
+        for u, v, _ in dots[:8]:
+            self.assertAlmostEqual(math.hypot(u - 320, v - 240), 100, delta=1)
+            self.assertTrue(any(math.hypot(u - x, v - y) < 1 and 14 < minor <= major < 18 for x, y, major, minor in spots), (u, v))
         with self.service():
             self.wait_until_there()
             tap = Tap(self.path)

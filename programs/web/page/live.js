@@ -19,6 +19,8 @@ const ADVICE = {
   16: "The zoom moves, or stands where it was not calibrated: `ninedot calibrate zoom`.",
 };
 
+const [NO_LANDMARK, CROWDED] = [2, 13];
+
 // A picture that is older is not shown as if it were new.
 const STALE_MS = 1500;
 
@@ -132,9 +134,10 @@ export class LiveView {
     const isLate = frame.age_ms !== null && frame.age_ms > 500;
     const why = this.shared.registers?.reasons.find((one) => one.code === reason)?.meaning ?? frame.why;
     const kind = frame.valid && !isLate ? (frame.calibrated ? "good" : "warn") : frame.found ? "warn" : "bad";
+    const wasSearched = frame.search && (reason === NO_LANDMARK || reason === CROWDED);
     const words = frame.valid && !isLate
       ? [`Landmark ${frame.landmark} found`, frame.calibrated ? (frame.tracking ? "tracking" : "full search") : "not calibrated: run with a camera.yaml of this camera"]
-      : [isLate && frame.valid ? "No new frame" : sentence(why), isLate && frame.valid ? ADVICE[4] : (frame.search && whyNothing(frame.search)) || (ADVICE[reason] ?? "")];
+      : [isLate && frame.valid ? "No new frame" : sentence(why), isLate && frame.valid ? ADVICE[4] : wasSearched ? whyNothing(frame.search) : ADVICE[reason] ?? ""];
     tellVerdict(this.verdict, kind, ...words);
     const pose = frame.in_world;
     this.pose.className = frame.valid && !isLate ? "pose" : "pose stale";

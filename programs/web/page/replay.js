@@ -3,6 +3,7 @@
 import { element, fixed, setText } from "./dom.js";
 import { authorised } from "./feed.js";
 import { draw } from "./overlay.js";
+import { whyNothing } from "./search.js";
 
 const RATES = [0.1, 0.25, 0.5, 1, 2];
 const AHEAD = 6;
@@ -168,6 +169,6 @@ export class Replay {
     if (!frame) return setText(this.what, "This picture is missing or damaged.");
     if (!report) return setText(this.what, "What was found in this picture was not kept.");
     const place = report.in_world.mm.map((value, i) => `${"xyz"[i]} ${fixed(value, 1)}`).join(", ");
-    setText(this.what, report.valid ? `Landmark ${report.landmark}: ${place} mm, ${report.dots_used} of 9 dots, residual ${fixed(report.rms_px, 3)} px` : `Not valid: ${report.why}`);
+    setText(this.what, report.valid ? `Landmark ${report.landmark}: ${place} mm, ${report.dots_used} of 9 dots, residual ${fixed(report.rms_px, 3)} px` : `Not valid: ${report.why}.${report.search ? ` ${whyNothing(report.search)}` : ""}`);
   }
 }
