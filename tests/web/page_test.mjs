@@ -110,6 +110,25 @@ test("the picture is the recording's, and the overlay is drawn into it", async (
   await close();
 });
 
+test("the map lists what is in sight, and what it is worth, as the service reports it", async (t) => {
+  const folder = fs.mkdtempSync("/dev/shm/ninedot-one-");
+  drawRecording(folder, { model: "plumb_bob", k: [0, 0, 0, 0, 0], f: 720, width: 640, height: 480 }, [looking([320, 1000, -80], [60, 0, -20])]);
+  const still = await Stage.open({ camera: `source = "recording"\ndevice = "${folder}"\nrate_hz = 35.0` });
+  const { page, close } = await open("map", { on: still });
+  t.after(async () => {
+    await close();
+    await still.close();
+    fs.rmSync(folder, { recursive: true });
+  });
+  await page.waitForFunction(() => document.querySelector("#sightings")?.hidden === false);
+  const { landmarks: [landmark] } = await until("a frame", async () => (await still.live("sightings01")).frame);
+  assert.equal(landmark.reason, 0);
+  assert.ok(Math.abs(Math.hypot(...landmark.candidates[landmark.chosen].mm) - Math.hypot(320, 1000, 80)) < 5, "its distance, by the drawing");
+  const wanted = ["0", "1.05", "9", String(landmark.quality), landmark.candidates[landmark.chosen].rms_px.toFixed(3), "counts"];
+  const cells = () => page.evaluate(() => [...document.querySelectorAll("#sightings tr:nth-child(2) > *")].map((cell) => cell.textContent));
+  await until(`the row says ${wanted}`, async () => JSON.stringify(await cells()) === JSON.stringify(wanted));
+});
+
 // A dark disc on paper, its edge blurred by a Gaussian of sigma_x and sigma_y px.
 const drawnDisc = (sigmaX, sigmaY, ink, paper) => ({ sigmaX, sigmaY, ink, paper });
 

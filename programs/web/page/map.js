@@ -6,13 +6,17 @@ import { rotationOf, times } from "./projection.js";
 // Of the plan, beyond what there is to see, on each side.
 const MARGIN = 0.12;
 
+const sightingOf = (landmark, frame) => frame?.landmarks.find((one) => one.id === landmark.id);
+const inkOf = (seen) => colour(!seen ? "--soft" : seen.reason ? "--warn" : "--good");
+
 export class MapView {
   constructor(main, shared) {
     this.shared = shared;
     this.canvas = element("canvas", { id: "plan", role: "img", "aria-label": "plan of the world from above" });
     this.text = element("p.soft", { id: "place", role: "status" });
     main.append(element("h1", {}, "Map, from above"), this.text, element("section.card.map", {}, this.canvas),
-      element("p.soft", {}, "Ellipse: 2-sigma along the world's axes. Path: the last minute. A landmark's tick: where it faces. The arrow: the camera, and where it looks; the square: the robot, where [body] says that the camera sits elsewhere on it."));
+      this.sightings = element("section.card", { id: "sightings", hidden: true }),
+      element("p.soft", {}, "Ellipse: 2-sigma along the world's axes. Path: the last minute. A landmark's tick: where it faces; a dashed line: it is in sight. The arrow: the camera, and where it looks; the square: the robot, where [body] says that the camera sits elsewhere on it."));
     this.bounds = null;
   }
 
@@ -21,10 +25,24 @@ export class MapView {
     const points = this.shared.history.points.filter((p) => p.valid);
     const frame = message.frame;
     this.draw(points, frame);
+    this.listSightings(frame?.landmarks ?? []);
     if (!frame?.has_pose) return setText(this.text, "No pose yet.");
     const [x, y, z] = frame.in_world.mm;
     setText(this.text, `Camera at x ${fixed(x, 0)}, y ${fixed(y, 0)}, z ${fixed(z, 0)} mm, 2-sigma ± ${fixed(2 * frame.in_world.sigma_mm[0], 1)}, ${fixed(2 * frame.in_world.sigma_mm[1], 1)} mm` +
       `${frame.valid ? "" : `; not valid: ${frame.why}`}; landmarks of the map: ${this.shared.map.length}.`);
+  }
+
+  // The landmarks of the newest frame, and what each of them was worth.
+  listSightings(landmarks) {
+    this.sightings.hidden = !landmarks.length;
+    const head = element("tr", {}, ...["landmark", "m", "dots", "quality", "px", ""].map((name) => element("th", {}, name)));
+    const rows = [...landmarks].sort((a, b) => a.id - b.id).map((one) => {
+      const reading = one.candidates[one.chosen];
+      return element("tr", {}, element("th", {}, String(one.id)), element("td.n", {}, reading ? (Math.hypot(...reading.mm) / 1000).toFixed(2) : "–"),
+        element("td.n", {}, String(one.dots)), element("td.n", {}, String(one.quality)), element("td.n", {}, reading ? fixed(reading.rms_px, 3) : "–"),
+        element(`td${one.reason ? ".warn" : ""}`, {}, one.reason ? one.why : "counts"));
+    });
+    this.sightings.replaceChildren(element("h2", {}, "In sight"), element("table.facts", {}, head, ...rows));
   }
 
   // Grows with what is shown; shrinks only when most of it is empty, so that the plan does not breathe.
@@ -48,6 +66,7 @@ export class MapView {
     const at = ([x, y]) => [width / 2 + (x - centre[0]) * scale, height / 2 - (y - centre[1]) * scale];
     this.drawGrid(context, width, height, scale, centre, at);
     this.drawPath(context, points, at);
+    if (frame?.valid) this.drawSightings(context, frame, landmarks, at);
     for (const landmark of landmarks) this.drawLandmark(context, landmark, frame, at);
     if (frame?.has_pose) this.drawCamera(context, frame, at, scale);
   }
@@ -97,12 +116,28 @@ export class MapView {
     context.globalAlpha = 1;
   }
 
+  // From the camera to what it sees.
+  drawSightings(context, frame, landmarks, at) {
+    context.lineWidth = 1;
+    context.setLineDash([5, 5]);
+    for (const landmark of landmarks) {
+      const seen = sightingOf(landmark, frame);
+      if (!seen) continue;
+      context.strokeStyle = inkOf(seen);
+      context.beginPath();
+      context.moveTo(...at(frame.in_world.mm));
+      context.lineTo(...at(landmark.mm));
+      context.stroke();
+    }
+    context.setLineDash([]);
+  }
+
   drawLandmark(context, landmark, frame, at) {
-    const seen = frame?.landmarks.find((one) => one.id === landmark.id);
+    const seen = sightingOf(landmark, frame);
     const heading = (landmark.heading_deg * Math.PI) / 180;
     const facing = landmark.q ? times(rotationOf(landmark.q), [0, 1, 0]) : [-Math.sin(heading), Math.cos(heading)];
     const [x, y] = at(landmark.mm);
-    context.strokeStyle = context.fillStyle = seen ? colour(seen.reason ? "--warn" : "--good") : colour("--soft");
+    context.strokeStyle = context.fillStyle = inkOf(seen);
     context.lineWidth = 5;
     context.beginPath();
     context.moveTo(x + 12 * facing[1], y + 12 * facing[0]);
