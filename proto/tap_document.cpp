@@ -197,14 +197,15 @@ constexpr TapField kTapCandidateFields[] = {
 constexpr TapField kTapSearchFields[] = {
     FIELD(TapSearch, has_failed, "1: the whole picture was searched, and nothing found; 0: the rest means nothing"),
     FIELD(TapSearch, refusal,
-          "what speaks against the guess that came nearest: 0 there was none, 1 too few dots, 2 too faint, 3 no blank "
+          "what speaks against the guess that came nearest: 0 there was none of three dots or more, 1 too few dots, 2 "
+          "too faint, 3 no blank "
           "paper between its dots, 4 no ninth dot, 5 paper where dots should be or other spots, 6 its outlines do not "
           "fit"),
     FIELD(TapSearch, spots_seen, "dark spots that could have been dots"),
     FIELD(TapSearch, spot_count, "entries of `spots` that are used"),
     FIELD(TapSearch, contrast_lsb, "between ink and paper of the guess, grey levels"),
     FIELD(TapSearch, noise_lsb, "of the picture, 1-sigma, grey levels"),
-    FIELD(TapSearch, dots, "where the guess has them, numbered from any; `visible_fraction` from 0; TapDot"),
+    FIELD(TapSearch, dots, "where the guess has them, numbered from any; TapDot"),
     FIELD(TapSearch, spots, "the largest first; TapSpot"),
 };
 constexpr TapField kTapSpotFields[] = {

@@ -34,5 +34,8 @@ static_assert(kRefusalSentences.size() == static_cast<std::size_t>(Refusal::kPoo
 constexpr std::string_view refusal_sentence(std::uint32_t code) noexcept {
   return code < kRefusalSentences.size() ? kRefusalSentences[code] : "unknown (a newer service?)";
 }
+constexpr std::string_view refusal_sentence(Refusal refusal) noexcept {
+  return refusal_sentence(static_cast<std::uint32_t>(refusal));
+}
 
 }  // namespace ninedot

@@ -35,6 +35,9 @@ constexpr double kOutlineSlack_px = 1.2;
 /// (verify.cpp), and that must not reach the other side.
 constexpr double kSmallest_px = 2.5;
 
+/// Of a refused guess, dots: with fewer it is nothing to show anybody.
+constexpr std::ptrdiff_t kLeastSeen = 3;
+
 /// As many guesses as sixteen landmarks make: three of each at most were confirmed.
 constexpr std::size_t kMaxAccepted = 48;
 /// Of the ring's radius: two landmarks' middles are no nearer to each other, for sheets do not overlap.
@@ -336,14 +339,15 @@ FailedSearch Detector::failed_search() const noexcept {
   FailedSearch failed;
   failed.spots = w.whole.blobs.span();
   failed.noise_lsb = w.whole.finder.noise_lsb();
-  if (!w.nearest) return failed;
+  const auto is_seen = [](float visible_fraction) { return visible_fraction >= kSeenOutline; };
+  if (!w.nearest || std::ranges::count_if(w.refused.visible_fraction, is_seen) < kLeastSeen) return failed;
   failed.refusal = w.refused.refusal;
   failed.contrast_lsb = w.refused.contrast_lsb;
   for (std::size_t i = 0; i < kDotCount; ++i) {
     DotObservation& dot = failed.dots[i];
     const Eigen::Vector2d centre_m = w.landmark.centre_m(i);
     dot.visible_fraction = w.refused.visible_fraction[i];
-    dot.seen = dot.visible_fraction >= kSeenOutline;
+    dot.seen = is_seen(dot.visible_fraction);
     dot.centroid_px = map_point(w.nearest->H_px_plane, centre_m);
     set_outline(disc_moments(jacobian_of_map(w.nearest->H_px_plane, centre_m), w.landmark.radius_m(i)), dot);
   }

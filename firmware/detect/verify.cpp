@@ -6,7 +6,6 @@
 #include <numbers>
 #include <optional>
 
-#include "detect/failed_search.h"
 #include "detect/homography.h"
 
 // Light changes across the sheet and shadows cut through it, so brightness is only ever compared with brightness close
@@ -23,7 +22,6 @@ constexpr double kMinContrast_lsb =
 constexpr double kContrastPerNoise = 3;  // below, sixteen directions in which it is brighter outside are no evidence
 constexpr double kMinShare = 0.35;       // of the landmark's typical contrast, scaled by the local light
 constexpr double kLeastLight = 0.3, kMostLight = 1.5;  // beyond these paper is not lit differently but another thing
-constexpr float kSeen = kSeenOutline;                  // the dot is there, whole
 constexpr float kFlawless = 1;
 constexpr float kPartly = 5.0F / kDirections;  // a dot that something hides in part
 // Three dots, two halves beside them and half of P9, which counts twice: half a sheet, 3 + 1 + 1, less a direction or
@@ -82,14 +80,14 @@ class Evidence {
       return static_cast<int>(std::count_if(v.visible_fraction.begin(), v.visible_fraction.begin() + kRingDotCount,
                                             [=](float fraction) { return fraction >= least; }));
     };
-    const int whole = ring_dots_from(kSeen), flawless = ring_dots_from(kFlawless);
+    const int whole = ring_dots_from(kSeenOutline), flawless = ring_dots_from(kFlawless);
     const int partly = ring_dots_from(kPartly) - whole;
     const float centre = v.visible_fraction[kCentreDot];
-    const int seen = whole + (centre >= kSeen ? 1 : 0);
+    const int seen = whole + (centre >= kSeenOutline ? 1 : 0);
     // Three points fit any three dots of equal size: then everything else must be flawless.
     if (hypothesis_.matched <= 3 && (flawless < 3 || v.score < kMinScoreOfThree)) return v;
-    const bool enough =
-        (centre >= kSeen && whole >= 3) || (centre >= kPartly && whole >= 3 && whole + partly >= 4) || whole >= 5;
+    const bool enough = (centre >= kSeenOutline && whole >= 3) ||
+                        (centre >= kPartly && whole >= 3 && whole + partly >= 4) || whole >= 5;
     if (enough) v.refusal = refusal_of_whole(v, blobs, seen);
     return v;
   }
@@ -184,7 +182,7 @@ class Evidence {
     }
     for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
       const std::size_t next = (dot + 1) % kRingDotCount;
-      if (visible_fraction(dot) < kSeen || visible_fraction(next) < kSeen) continue;
+      if (visible_fraction(dot) < kSeenOutline || visible_fraction(next) < kSeenOutline) continue;
       ask((landmark_.centre_m(dot) + landmark_.centre_m(next)) / 2, std::max(mean_inside(dot), mean_inside(next)));
     }
     return asked == 0 || blank >= kMinPaper * asked;
@@ -204,7 +202,7 @@ class Evidence {
   }
 
   bool centre_is_absent(float centre_fraction) const noexcept {
-    if (centre_fraction >= kSeen) return false;
+    if (centre_fraction >= kSeenOutline) return false;
     if (is_blank(kCentreDot, kDarkPaperShare)) return true;
     // What hides P9's outline in one direction and comes from outside hides the ring's dot in that direction too. Up to
     // half of the sheet hidden this holds for a straight edge; a little beyond, two directions may break it.
@@ -215,7 +213,7 @@ class Evidence {
       const auto d = static_cast<std::size_t>(
           (static_cast<int>(std::lround(a_rad * kDirections / (2 * std::numbers::pi))) + kDirections) % kDirections);
       const Sides& beside = sides_[kCentreDot][d];
-      if (visible_fraction(dot) >= kSeen && beside.inside_picture && !is_edge(beside)) ++contradictions;
+      if (visible_fraction(dot) >= kSeenOutline && beside.inside_picture && !is_edge(beside)) ++contradictions;
     }
     return contradictions >= 3;
   }
@@ -274,9 +272,9 @@ class Evidence {
     bool is_blank_hole = false;
     for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
       const float before = v.visible_fraction[(dot + 7) % 8], after = v.visible_fraction[(dot + 1) % 8];
-      if (!(v.visible_fraction[dot] < kSeen && before >= kSeen && after >= kSeen)) continue;
+      if (!(v.visible_fraction[dot] < kSeenOutline && before >= kSeenOutline && after >= kSeenOutline)) continue;
       is_blank_hole = is_blank_hole || is_blank(dot, kSamePaperShare);
-      if (v.visible_fraction[dot] < kSeen / 2) ++holes;
+      if (v.visible_fraction[dot] < kSeenOutline / 2) ++holes;
     }
     const int strangers = intruders(blobs);
     return holes <= 1 && !is_blank_hole && (holes == 0 || strangers == 0) && 2 * strangers <= seen - 3;

@@ -8,6 +8,10 @@
 
 namespace ninedot {
 
+/// Of an outline, dark inside and bright outside: the dot is there, whole. 12 of the 16 directions in which it is
+/// looked at [1].
+inline constexpr float kSeenOutline = 0.75F;
+
 struct Verification {
   Refusal refusal = Refusal::kFewOutlines;          ///< the first thing that speaks against it; kNone: accepted
   double score = 0;                                 ///< to compare hypotheses: dots' worth of outline that is there

@@ -180,7 +180,7 @@ void draw_failed_search(Canvas& canvas, const FailedSearch& failed) {
     set_outline(spot.moments_px2(), outline);
     draw_ellipse(canvas, outline, kRing, canvas.line_px);
   }
-  if (!failed.has_guess()) return;
+  if (failed.refusal == Refusal::kNone) return;
   for (const DotObservation& dot : failed.dots)
     draw_ellipse(canvas, dot, dot.seen ? kOutline : kHidden, 2 * canvas.line_px, dot.seen ? 0 : 5 * canvas.line_px);
 }
@@ -246,9 +246,9 @@ void draw_nothing_found(Canvas& canvas, const Report& report, const FailedSearch
   draw_text(band, std::string(reason_label(report.reason)), Vector2(size.width / 2.0, 38 * unit_px), 8 * unit_px, kText,
             Align::kCentre, true);
   if (failed == nullptr) return;
-  const std::string what =
-      failed->has_guess() ? fmt::format("outlined: {}", refusal_sentence(static_cast<std::uint32_t>(failed->refusal)))
-                          : "dark spots are outlined: no nine of them lie like its dots";
+  const std::string what = failed->refusal != Refusal::kNone
+                               ? fmt::format("outlined: {}", refusal_sentence(failed->refusal))
+                               : "dark spots are outlined: no nine of them lie like its dots";
   draw_text(band, what, Vector2(size.width / 2.0, 51 * unit_px), 6 * unit_px, kText, Align::kCentre, true);
 }
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "base/reason.h"
+#include "base/refusal.h"
 #include "base/startup_error.h"
 #include "calibrate/camera_file.h"
 #include "config/config.h"
@@ -68,10 +69,8 @@ class Tap {
 
 /// What came nearest to a landmark where none was found, in brackets; else nothing.
 std::string nearest_guess(const TapFrame& frame) {
-  const auto spots = std::make_unique<BlobList>();
-  const auto failed = search_of(frame, *spots);
-  if (!failed || !failed->has_guess()) return {};
-  return fmt::format(" (of what comes nearest: {})", refusal_sentence(static_cast<std::uint32_t>(failed->refusal)));
+  if (frame.search.has_failed == 0 || frame.search.refusal == 0) return {};
+  return fmt::format(" (of what comes nearest: {})", refusal_sentence(frame.search.refusal));
 }
 
 std::string report_line(const TapFrame& frame) {

@@ -43,16 +43,13 @@ void fill_track(const TrackedPose& track, TapFrame& tap) noexcept {
   tap.track_ambiguity = track.ambiguity;
 }
 
-TapDot tap_dot(const DotObservation& from, double visible_fraction) noexcept {
-  return {from.centroid_px.x(), from.centroid_px.y(),        from.semi_major_px,
-          from.semi_minor_px,   from.angle_rad * kDegPerRad, visible_fraction};
-}
-
-void fill_dots(const LandmarkObservation& seen, TapFrame& tap) noexcept {
+void fill_dots(const std::array<DotObservation, kDotCount>& seen, std::array<TapDot, kTapDotCount>& to) noexcept {
   for (std::size_t dot = 0; dot < kTapDotCount; ++dot) {
-    const DotObservation& from = seen.dots[dot];
+    const DotObservation& from = seen[dot];
     // 0 says "not seen": whatever sliver of it there was is none to rest on.
-    tap.dots[dot] = tap_dot(from, from.seen ? std::max(1e-3, static_cast<double>(from.visible_fraction)) : 0);
+    to[dot] = {from.centroid_px.x(),        from.centroid_px.y(),
+               from.semi_major_px,          from.semi_minor_px,
+               from.angle_rad * kDegPerRad, from.seen ? std::max(1e-3, static_cast<double>(from.visible_fraction)) : 0};
   }
 }
 
@@ -140,13 +137,10 @@ std::uint32_t flags_of(const Fix& fix, const LandmarkObservation* seen, const Re
   return flags;
 }
 
-DotObservation dot_of(const TapDot& from, bool is_seen) noexcept {
-  return {is_seen,
-          static_cast<float>(from.visible_fraction),
-          {from.u_px, from.v_px},
-          from.semi_major_px,
-          from.semi_minor_px,
-          from.angle_deg * kRadPerDeg};
+DotObservation dot_of(const TapDot& from) noexcept {
+  return {from.visible_fraction > 0, static_cast<float>(from.visible_fraction),
+          {from.u_px, from.v_px},    from.semi_major_px,
+          from.semi_minor_px,        from.angle_deg * kRadPerDeg};
 }
 
 Blob blob_of(const TapSpot& from) noexcept {
@@ -185,7 +179,7 @@ void describe_frame(const Frame& frame, const Fix& fix, const LandmarkObservatio
   tap.track = {};
   if (fix.track) fill_track(*fix.track, tap);
   tap.dots = {};
-  if (seen != nullptr) fill_dots(*seen, tap);
+  if (seen != nullptr) fill_dots(seen->dots, tap.dots);
   tap.landmark_count = 0;
   for (const LandmarkFix& landmark : fix.landmarks) {
     if (tap.landmark_count == kTapLandmarkCount) break;
@@ -200,8 +194,7 @@ void describe_search(const std::optional<FailedSearch>& failed, TapFrame& tap) n
   to.refusal = static_cast<std::uint32_t>(failed->refusal);
   to.contrast_lsb = failed->contrast_lsb;
   to.noise_lsb = failed->noise_lsb;
-  for (std::size_t i = 0; i < kTapDotCount; ++i)
-    to.dots[i] = tap_dot(failed->dots[i], static_cast<double>(failed->dots[i].visible_fraction));
+  fill_dots(failed->dots, to.dots);
   to.spots_seen = static_cast<std::uint32_t>(failed->spots.size());
   to.spot_count = 0;
   for (const Blob& spot : failed->spots) {
@@ -246,7 +239,7 @@ bool observation_of(const TapFrame& tap, LandmarkObservation& seen) noexcept {
   for (std::size_t dot = 0; dot < kTapDotCount; ++dot) {
     const TapDot& from = tap.dots[dot];
     if (!(from.visible_fraction > 0)) continue;
-    seen.dots[dot] = dot_of(from, true);
+    seen.dots[dot] = dot_of(from);
     ++seen.seen_count;
   }
   return seen.seen_count > 0;
@@ -259,8 +252,7 @@ std::optional<FailedSearch> search_of(const TapFrame& tap, BlobList& spots) noex
   failed.refusal = from.refusal < kRefusalSentences.size() ? static_cast<Refusal>(from.refusal) : Refusal::kNone;
   failed.contrast_lsb = from.contrast_lsb;
   failed.noise_lsb = from.noise_lsb;
-  for (std::size_t i = 0; i < kTapDotCount; ++i)
-    failed.dots[i] = dot_of(from.dots[i], from.dots[i].visible_fraction >= kSeenOutline);
+  std::ranges::transform(from.dots, failed.dots.begin(), dot_of);
   spots.clear();
   for (const TapSpot& spot : std::span(from.spots).first(std::min<std::size_t>(from.spot_count, kTapSpotCount)))
     (void)spots.try_push_back(blob_of(spot));  // a BlobList has room for more

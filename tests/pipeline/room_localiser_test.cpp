@@ -328,7 +328,6 @@ TEST(RoomLocaliser, SaysOfASheetWhoseDotsAreElsewhereThatItDoesNotFit) {
   ASSERT_TRUE(unit.failed_search());
   const FailedSearch failed = *unit.failed_search();
   EXPECT_EQ(failed.refusal, Refusal::kPoorFit);
-  EXPECT_TRUE(failed.has_guess());
   for (const DotObservation& dot : failed.dots)
     EXPECT_TRUE(std::ranges::any_of(failed.spots, [&](const Blob& spot) {
       return (Eigen::Vector2d(spot.x_px, spot.y_px) - dot.centroid_px).norm() < dot.semi_major_px;

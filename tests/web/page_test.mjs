@@ -110,16 +110,22 @@ test("the picture is the recording's, and the overlay is drawn into it", async (
   await close();
 });
 
-test("the map lists what is in sight, and what it is worth, as the service reports it", async (t) => {
-  const folder = fs.mkdtempSync("/dev/shm/ninedot-one-");
-  drawRecording(folder, { model: "plumb_bob", k: [0, 0, 0, 0, 0], f: 720, width: 640, height: 480 }, [looking([320, 1000, -80], [60, 0, -20])]);
-  const still = await Stage.open({ camera: `source = "recording"\ndevice = "${folder}"\nrate_hz = 35.0` });
-  const { page, close } = await open("map", { on: still });
+// A view of a service that sees one drawn picture again and again. more: of drawRecording
+async function openOnDrawing(t, view, pose, more = {}) {
+  const folder = fs.mkdtempSync("/dev/shm/ninedot-drawn-");
+  drawRecording(folder, { model: "plumb_bob", k: [0, 0, 0, 0, 0], f: 720, width: 640, height: 480 }, [pose], more);
+  const stage = await Stage.open({ camera: `source = "recording"\ndevice = "${folder}"\nrate_hz = 35.0` });
+  const { page, close } = await open(view, { on: stage });
   t.after(async () => {
     await close();
-    await still.close();
+    await stage.close();
     fs.rmSync(folder, { recursive: true });
   });
+  return { page, stage };
+}
+
+test("the map lists what is in sight, and what it is worth, as the service reports it", async (t) => {
+  const { page, stage: still } = await openOnDrawing(t, "map", looking([320, 1000, -80], [60, 0, -20]));
   await page.waitForFunction(() => document.querySelector("#sightings")?.hidden === false);
   const { landmarks: [landmark] } = await until("a frame", async () => (await still.live("sightings01")).frame);
   assert.equal(landmark.reason, 0);
@@ -264,16 +270,7 @@ test("the keyboard is enough", async () => {
 });
 
 test("nothing found is said, and why, and what to do", async (t) => {
-  const folder = fs.mkdtempSync("/dev/shm/ninedot-centreless-");
-  const lens = { model: "plumb_bob", k: [0, 0, 0, 0, 0], f: 720, width: 640, height: 480 };
-  drawRecording(folder, lens, [looking([120, 620, -80], [60, 0, -20])], { lacks: 8 });
-  const dark = await Stage.open({ camera: `source = "recording"\ndevice = "${folder}"\nrate_hz = 35.0` });
-  const { page, close } = await open("live", { on: dark });
-  t.after(async () => {
-    await close();
-    await dark.close();
-    fs.rmSync(folder, { recursive: true });
-  });
+  const { page } = await openOnDrawing(t, "live", looking([120, 620, -80], [60, 0, -20]), { lacks: 8 });
   await page.waitForFunction(() => /no landmark.*nearest.*no ninth dot.*middle/is.test(document.querySelector("#verdict.bad, #verdict.warn")?.textContent));
   await page.waitForFunction(() => document.querySelector("#picture")?.dataset.frame > 0);
   const [spot, found, lacking] = [[0x40, 0xd0, 0xff], [0xff, 0xb0, 0x20], [0xff, 0x8c, 0x28]];

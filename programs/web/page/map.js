@@ -35,7 +35,7 @@ export class MapView {
   // The landmarks of the newest frame, and what each of them was worth.
   listSightings(landmarks) {
     this.sightings.hidden = !landmarks.length;
-    const head = element("tr", {}, ...["landmark", "m", "dots", "quality", "px", ""].map((name) => element("th", {}, name)));
+    const head = element("tr", {}, ...["id", "m", "dots", "quality", "px", ""].map((name) => element("th", {}, name)));
     const rows = [...landmarks].sort((a, b) => a.id - b.id).map((one) => {
       const reading = one.candidates[one.chosen];
       return element("tr", {}, element("th", {}, String(one.id)), element("td.n", {}, reading ? (Math.hypot(...reading.mm) / 1000).toFixed(2) : "–"),

@@ -1,14 +1,11 @@
 // Why a search of the whole picture found no landmark, in words: by the dark spots that it saw, and by the guess that
 // came nearest to a landmark.
-const WHOLE = 0.75;
-const LEAST_DOTS = 3;
 // Smaller ones are seen in good light alone.
 const SMALL_PX = 4;
 
-export const isSeen = (dot) => dot[5] >= WHOLE;
+export const isSeen = (dot) => dot[5] > 0;
 const seenOf = (search) => search.dots.filter(isSeen).length;
-// In any room some three spots lie like a part of a ring, somehow.
-export const hasGuess = (search) => search.refusal > 0 && seenOf(search) >= LEAST_DOTS;
+export const hasGuess = (search) => search.refusal > 0;
 
 const WHAT_TO_DO = {
   1: (search) => `${seenOf(search)} of the nine are there: clear the view of the others, or look at the sheet less from the side.`,
