@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "base/startup_error.h"
 #include "config/config.h"
@@ -19,9 +21,11 @@
 #include "programs/web/access.h"
 #include "programs/web/apply_request.h"
 #include "programs/web/calibration_desk.h"
+#include "programs/web/child_job.h"
 #include "programs/web/configuration_desk.h"
 #include "programs/web/jogger.h"
 #include "programs/web/live_json.h"
+#include "programs/web/map_desk.h"
 #include "programs/web/recorder.h"
 #include "programs/web/web_server.h"
 
@@ -32,22 +36,33 @@ namespace {
 class NewestMap {
  public:
   explicit NewestMap(std::string config_path) : config_path_(std::move(config_path)) {}
+  /// Landmarks with a place.
   std::string json() {
-    const MonoTime now = mono_now();
-    if (!json_.empty() && now - read_at_ < std::chrono::seconds(2)) return json_;
-    read_at_ = now;
-    try {
-      json_ = map_json(read_config(config_path_));
-    } catch (const StartupError&) {
-      if (json_.empty()) json_ = "[]";
-    }
+    read();
     return json_;
+  }
+  /// All that the configuration has.
+  std::string landmarks() {
+    read();
+    return landmarks_;
   }
 
  private:
+  void read() {
+    const MonoTime now = mono_now();
+    if (read_at_ && now - *read_at_ < std::chrono::seconds(2)) return;
+    read_at_ = now;
+    try {
+      const Config config = read_config(config_path_);
+      json_ = map_json(config), landmarks_ = landmarks_json(config);
+    } catch (const StartupError&) {
+      // The configuration's view says what is wrong with it.
+    }
+  }
+
   const std::string config_path_;
-  MonoTime read_at_{};
-  std::string json_;
+  std::optional<MonoTime> read_at_;
+  std::string json_ = "[]", landmarks_ = "[]";
 };
 
 Config servable_config(const std::string& path) {
@@ -79,9 +94,14 @@ bool serve(const Config& config, const std::string& config_path, const std::stri
   Jogger jogger(jogger_options(config, !rules.token.empty()));
   Recorder recorder(recorder_options(config, !rules.token.empty()));
   ConfigurationDesk desk(config_path, request);
-  CalibrationDesk calibrations(calibration_desk_options(config, config_path, ninedot, !rules.token.empty()), request);
-  const WebServerOptions options{web,    config.tap.path, rules, [&] { return map.json(); },
-                                 jogger, recorder,        desk,  calibrations};
+  ChildJob job(ninedot);
+  CalibrationDesk calibrations(calibration_desk_options(config, config_path, !rules.token.empty()), job, request);
+  MapDeskOptions map_options = map_desk_options(config, config_path, !rules.token.empty());
+  map_options.folder_of = [&](std::string_view name) { return recorder.folder_of(name); };
+  map_options.landmarks = [&] { return map.landmarks(); };
+  MapDesk maps(std::move(map_options), job, request);
+  const WebServerOptions options{web,  config.tap.path, rules, [&] { return map.json(); }, jogger, recorder,
+                                 desk, calibrations,    maps};
   WebServer server(options);
   tell_address(web, options.rules.tls);
   manager.ready();
@@ -130,6 +150,6 @@ int main(int argc, char** argv) {
   std::string apply_socket = "/run/ninedot-apply.socket";
   app.add_option("--apply-socket", apply_socket, "where `ninedot apply --page` is reached")->capture_default_str();
   std::string tool = ninedot::ninedot_beside_this();
-  app.add_option("--ninedot", tool, "the program that calibrates; default: the one beside this");
+  app.add_option("--ninedot", tool, "the program that calibrates and builds maps; default: the one beside this");
   return ninedot::run_program(app, argc, argv, [&] { ninedot::run_web(config_path, apply_socket, tool); });
 }

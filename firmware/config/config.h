@@ -54,6 +54,7 @@ struct MapLandmarkConfig {
   std::optional<std::array<double, 4>> orientation_wxyz;
   std::array<double, 3> sigma_position_mm{};   ///< `sigma_position_mm`: 1-sigma along the world's axes; 0 = exact
   std::array<double, 3> sigma_rotation_deg{};  ///< `sigma_rotation_deg`: 1-sigma about the world's axes; 0 = exact
+  bool from_pictures = false;  ///< `from_pictures`: the place is `ninedot map`'s, which finds it anew; false = measured
 };
 
 /// [pose]

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -81,6 +82,47 @@ void gather_keys(const toml::table& table, const std::string& path, std::string_
   }
 }
 
+/// From its [[head]] to the end of the line of its last value: what a comment below it is about is not known.
+struct Stretch {
+  std::size_t begin = 0, end = 0;  ///< bytes
+};
+
+/// \return  begin == end: it has no head of its own
+Stretch stretch_of(std::string_view text, const toml::table& table) {
+  Stretch stretch{place_of(text, table.source().begin), 0};
+  if (!text.substr(std::min(stretch.begin, text.size())).starts_with("[[")) return {};
+  stretch.end = stretch.begin;
+  for (const auto& [key, node] : table) stretch.end = std::max(stretch.end, place_of(text, node.source().end));
+  stretch.end = std::min(text.find('\n', stretch.end), text.size() - 1) + 1;
+  const std::size_t line = text.rfind('\n', stretch.begin);
+  stretch.begin = line == std::string_view::npos ? 0 : line + 1;
+  // The blank line below it goes as well.
+  if (text.substr(stretch.end).starts_with('\n')) ++stretch.end;
+  return stretch;
+}
+
+[[noreturn]] void refuse_landmarks(const std::string& name) {
+  throw StartupError(ExitStatus::kWrongUsage,
+                     fmt::format("{}: the landmarks can't be taken out of it, and a map takes their place: give each a "
+                                 "[[landmarks]] of its own, and its keys below it",
+                                 name));
+}
+
+std::string without_landmarks(std::string text, const std::string& name) {
+  const toml::table root = read(text, name);
+  const toml::array* const landmarks = root["landmarks"].as_array();
+  if (landmarks == nullptr) return text;
+  std::vector<Stretch> stretches;
+  for (const toml::node& node : *landmarks) {
+    stretches.push_back(node.is_table() ? stretch_of(text, *node.as_table()) : Stretch{});
+    if (stretches.back().begin == stretches.back().end) refuse_landmarks(name);
+  }
+  // From the last one on, so that the others stay where they are.
+  std::ranges::sort(stretches, std::greater(), &Stretch::begin);
+  for (const Stretch& stretch : stretches) text.erase(stretch.begin, stretch.end - stretch.begin);
+  return text;
+}
+
 }  // namespace
 
 std::vector<KeyText> keys_of(std::string_view text, const std::string& name) {
@@ -97,6 +139,25 @@ std::string with_keys(std::string text, std::span<const KeyText> keys, const std
       throw StartupError(ExitStatus::kWrongUsage,
                          fmt::format("{}: '{}' can't be set in it: give [{}] a line of its own, and its keys below it",
                                      name, key.key, key.table));
+  return text;
+}
+
+std::string with_map_named(std::string text, const std::string& map, const std::string& name) {
+  toml::table before = read(text, name);
+  text = without_landmarks(std::move(text), name);
+  const toml::table root = read(text, name);
+  if (const toml::node* const old = root["map"].node()) {
+    const std::string_view value = text_at(text, old->source());
+    text.replace(static_cast<std::size_t>(value.data() - text.data()), value.size(), map);
+  } else {
+    text.insert(0, fmt::format("map = {}\n", map));
+  }
+  // All else says what it said.
+  toml::table after = read(text, name);
+  const bool has_map = after["map"].value<std::string>() == read("map = " + map, name)["map"].value<std::string>();
+  for (toml::table* table : {&before, &after}) table->erase("map");
+  before.erase("landmarks");
+  if (!has_map || after != before) refuse_landmarks(name);
   return text;
 }
 

@@ -24,4 +24,10 @@ std::vector<KeyText> keys_of(std::string_view text, const std::string& name);
 /// [head]. Memory: allocates. Threads: pure.
 std::string with_keys(std::string text, std::span<const KeyText> keys, const std::string& name);
 
+/// With the key `map` at the top, and without the [[landmarks]], whose place it takes.
+/// \param map  as TOML writes it \param name  of the text's file, for errors
+/// Throws StartupError(kWrongUsage) with one line: it is no TOML, or has its landmarks in another form than each under
+/// a [[landmarks]] of its own. Memory: allocates. Threads: pure.
+std::string with_map_named(std::string text, const std::string& map, const std::string& name);
+
 }  // namespace ninedot

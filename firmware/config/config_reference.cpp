@@ -128,6 +128,10 @@ const std::array kKeysUpToTheHead{
               "1-sigma of the position along the world's X, Y, Z; 0 = exact", LANDMARK_SLOT(sigma_position_mm)},
     ConfigKey{"landmarks", "sigma_rotation_deg", "deg", 0, 180, "",
               "1-sigma of the orientation about the world's X, Y, Z; 0 = exact", LANDMARK_SLOT(sigma_rotation_deg)},
+    ConfigKey{
+        "landmarks", "from_pictures", "", 0, 0, "",
+        "`ninedot map` found this place, and finds it anew when it makes the map again; false = somebody measured it",
+        LANDMARK_SLOT(from_pictures)},
 
     ConfigKey{"pose", "solver", "", 0, 0, "full|ellipse",
               "`full`: near the maximum likelihood; `ellipse`: the founding paper's", SLOT(pose.solver)},

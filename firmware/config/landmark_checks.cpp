@@ -38,7 +38,8 @@ class LandmarkCheck {
         refuse("orientation_wxyz", "'orientation_wxyz' and 'heading_deg' say the same: keep one of them");
     }
     if (landmark_.position_mm) return;
-    for (const char* key : {"heading_deg", "orientation_wxyz", "sigma_position_mm", "sigma_rotation_deg"})
+    for (const char* key :
+         {"heading_deg", "orientation_wxyz", "sigma_position_mm", "sigma_rotation_deg", "from_pictures"})
       if (is_given(key))
         return refuse(key,
                       fmt::format("'{}' without 'position_mm': give both, or neither where the place is unknown", key));

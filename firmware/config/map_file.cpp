@@ -42,6 +42,7 @@ std::string format_map(std::span<const MappedLandmark> landmarks, std::span<cons
     text += fmt::format("position_mm = [{:.3f}, {:.3f}, {:.3f}]\n", p_mm.x(), p_mm.y(), p_mm.z());
     text += fmt::format("orientation_wxyz = [{:.9f}, {:.9f}, {:.9f}, {:.9f}]  # heading {:.2f} deg\n", q.w(), q.x(),
                         q.y(), q.z(), heading_deg(landmark.T_world_landmark));
+    if (landmark.from_pictures) text += "from_pictures = true\n";
     if (landmark.covariance.isZero(0)) continue;
     text += sigmas("sigma_position_mm", landmark.covariance.diagonal().head<3>(), kMmPerMetre);
     text += sigmas("sigma_rotation_deg", landmark.covariance.diagonal().tail<3>(), kDegPerRad);

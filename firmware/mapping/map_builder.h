@@ -45,7 +45,7 @@ struct BuiltMap {
 struct MapBuilderOptions {
   LandmarkGeometry geometry{};
   std::vector<std::uint16_t>
-      exact;  ///< ids [1] of the origin, and of others whose places are exact. Not empty (contract)
+      exact;  ///< ids [1] of the origin, and of others whose places are exact. Not empty, or one is surveyed (contract)
   int threads = 2;
   std::function<void(std::string_view what)> progress;  ///< a word about what is done, often; may be empty
 };

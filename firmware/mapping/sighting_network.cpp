@@ -26,7 +26,7 @@ int SightingNetwork::freedoms_of(const NetworkSighting& sighting) noexcept {
 
 SightingNetwork make_network(std::span<const RecordedSightings> frames, const LandmarkMap& map,
                              std::span<const std::uint16_t> exact, const LandmarkGeometry& geometry) {
-  EXPECTS(!exact.empty() && std::ranges::all_of(exact, [&](std::uint16_t id) { return map.find(id) != nullptr; }));
+  EXPECTS(std::ranges::all_of(exact, [&](std::uint16_t id) { return map.find(id) != nullptr; }));
   SightingNetwork network{geometry, {}, {}, {}};
   for (const MappedLandmark& known : map.landmarks()) {
     NetworkLandmark landmark{known.id, std::ranges::count(exact, known.id) > 0, std::nullopt, false, {}};
@@ -36,6 +36,7 @@ SightingNetwork make_network(std::span<const RecordedSightings> frames, const La
     if (landmark.placed) landmark.place = known.T_world_landmark;
     network.landmarks.push_back(landmark);
   }
+  EXPECTS(std::ranges::any_of(network.landmarks, is_given));
   for (const RecordedSightings& source : frames) {
     NetworkFrame frame{&source, network.sightings.size(), 0, false, {}};
     for (const LandmarkSighting& seen : source.list) {

@@ -18,6 +18,7 @@ struct MappedLandmark {
   /// Of its place, (position [m], rotation vector [rad]) both in the world's axes: p + position, exp(rotation) R. [m^2,
   /// m rad, rad^2] Zero: exact.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  bool from_pictures = false;  ///< its place was not measured but follows from pictures, see `ninedot map`
 };
 
 /// Memory: made at the start, constant afterwards. Threads: const is safe.

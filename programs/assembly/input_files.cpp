@@ -46,10 +46,12 @@ Config read_config(const std::string& path, ConfigProblems& problems) {
   return read_config(read_text_file(path, kMaxFile_bytes), path, path, problems);
 }
 
-Config read_config(std::string_view text, const std::string& name, const std::string& path, ConfigProblems& problems) {
+Config read_config(std::string_view text, const std::string& name, const std::string& path, ConfigProblems& problems,
+                   const std::string& map) {
   Config config = read_config_text(text, name, problems);
   if (config.camera.source == "recording") make_absolute(config.camera.device, path);
   make_absolute(config.camera.calibration, path);
+  if (!map.empty()) config.map = map;
   make_absolute(config.map, path);
   for (std::string* named : {&config.tap.path, &config.web.token_file, &config.web.certificate, &config.web.key})
     make_absolute(*named, path);

@@ -23,8 +23,10 @@ Config read_config(const std::string& path);
 Config read_config(const std::string& path, ConfigProblems& problems);
 
 /// The same of text that is to become the file `path`. \param name  how errors call it
+/// \param map  a file that is read in the place of the map's; empty: that one
 /// Memory: in proportion to the text.
-Config read_config(std::string_view text, const std::string& name, const std::string& path, ConfigProblems& problems);
+Config read_config(std::string_view text, const std::string& name, const std::string& path, ConfigProblems& problems,
+                   const std::string& map = {});
 
 /// Throws StartupError(kWrongUsage) with the first of them, if there is one. \param path  of the configuration
 void refuse_first(const ConfigProblems& problems, const std::string& path);

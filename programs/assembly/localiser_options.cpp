@@ -22,6 +22,7 @@ Transform<frame::World, frame::Landmark> place_of(const MapLandmarkConfig& landm
 MappedLandmark mapped(const MapLandmarkConfig& landmark) {
   MappedLandmark result{static_cast<std::uint16_t>(landmark.id), landmark.code, place_of(landmark),
                         landmark.position_mm.has_value()};
+  result.from_pictures = landmark.from_pictures;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto at = static_cast<Eigen::Index>(axis);
     const double position_m = landmark.sigma_position_mm[axis] * kMetresPerMm;

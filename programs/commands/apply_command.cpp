@@ -1,4 +1,4 @@
-// `ninedot apply`: a new configuration, or a new calibration of camera or head, in the old one's place, if the service
+// `ninedot apply`: a new configuration, calibration of camera or head, or map in the old one's place, if the service
 // comes up with it. Until that is known the old one is kept beside it, and brought back otherwise.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -21,7 +21,7 @@
 #include "programs/commands/child_work.h"
 #include "programs/commands/commands.h"
 #include "programs/commands/config_change.h"
-#include "programs/commands/new_calibration.h"
+#include "programs/commands/named_file.h"
 #include "programs/commands/new_head.h"
 #include "programs/commands/service_trial.h"
 
@@ -32,7 +32,7 @@ struct ApplyArguments {
   std::string candidate = "-", config, check_as;
   std::vector<std::string> restart;
   int within_s = 30;
-  bool is_calibration = false, is_head = false, page = false;
+  bool is_calibration = false, is_head = false, is_map = false, page = false;
 };
 
 /// One line of progress. Whoever listened may be gone: that is no reason to stop half way.
@@ -54,7 +54,8 @@ class Apply {
   void run() {
     const Candidate candidate = this->candidate();
     const ApplyLock lock(arguments_.config);
-    if (candidate.kind == CandidateKind::kCalibration) return put_calibration(candidate.text);
+    if (candidate.kind == CandidateKind::kCalibration) return put_file(NamedFile::kCalibration, candidate.text);
+    if (candidate.kind == CandidateKind::kMap) return put_file(NamedFile::kMap, candidate.text);
     ConfigChange change(arguments_.config);
     const bool is_head = candidate.kind == CandidateKind::kHead;
     const std::string text = is_head ? merged(change.text(), candidate.text) : candidate.text;
@@ -73,6 +74,7 @@ class Apply {
     if (arguments_.page) return read_request(STDIN_FILENO);
     return {arguments_.is_calibration ? CandidateKind::kCalibration
             : arguments_.is_head      ? CandidateKind::kHead
+            : arguments_.is_map       ? CandidateKind::kMap
                                       : CandidateKind::kConfiguration,
             read_candidate(arguments_.candidate)};
   }
@@ -86,14 +88,17 @@ class Apply {
     return text;
   }
 
-  void put_calibration(const std::string& text) {
+  /// The file that the configuration names, or a first one, which it names from then on.
+  void put_file(NamedFile which, const std::string& text) {
     const std::string config = read_text_file(arguments_.config, kMaxApplied_bytes);
-    const CalibrationPlace place = place_for_calibration(config, arguments_.config);
+    const FilePlace place = place_for(which, config, arguments_.config);
     if (place.config_text.empty()) {
       ConfigChange change(place.path);
       if (!is_new(change, text)) return;
       const FileOnTrial file(place.path + ".new", text, place.path);
-      const CheckedConfig checked = check({config, arguments_.config, arguments_.config, file.path()});
+      ConfigToCheck subject{config, arguments_.config, arguments_.config, {}};
+      (which == NamedFile::kMap ? subject.map : subject.calibration) = file.path();
+      const CheckedConfig checked = check(subject);
       return try_out(change, text, checked, config);
     }
     ConfigChange change(arguments_.config);
@@ -116,7 +121,9 @@ class Apply {
   }
 
   CheckedConfig check(const ConfigToCheck& subject) const {
-    say("checking", subject.calibration.empty() ? subject.name : subject.calibration);
+    say("checking", !subject.calibration.empty() ? subject.calibration
+                    : !subject.map.empty()       ? subject.map
+                                                 : subject.name);
     CheckedConfig checked = check_in_child(subject, arguments_.check_as, CheckDepth::kEverything);
     for (const std::string& note : checked.notes) say("note", note);
     if (!checked.refused.empty())
@@ -181,8 +188,8 @@ void run_apply(const ApplyArguments& arguments) {
 void add_apply_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "apply",
-      "Put a new configuration, or a calibration of the camera or of the head, in the place of the service's, restart "
-      "it, and go back if it does not come up with it");
+      "Put a new configuration, a calibration of the camera or of the head, or a map in the place of the service's, "
+      "restart it, and go back if it does not come up with it");
   const auto arguments = std::make_shared<ApplyArguments>();
   CLI::Option* const candidate =
       command->add_option("new", arguments->candidate, "the new configuration; - is standard input");
@@ -192,6 +199,10 @@ void add_apply_command(CLI::App& app) {
   CLI::Option* const head = command->add_flag(
       "--head", arguments->is_head,
       "the new file is of `ninedot calibrate pan-tilt`: its keys take the place of those of the configuration");
+  CLI::Option* const map = command->add_flag(
+      "--map", arguments->is_map,
+      "the new file is of `ninedot map`: it takes the place of the map that the configuration names, or of its "
+      "[[landmarks]]");
   command->add_option("--config", arguments->config, "the file that the service reads")->required();
   command
       ->add_option("--restart", arguments->restart,
@@ -207,9 +218,10 @@ void add_apply_command(CLI::App& app) {
                       "user with whose rights the new configuration is checked; for root");
   CLI::Option* const page = command->add_flag("--page", arguments->page,
                                               "standard input is a connection of ninedot-web: a line `apply BYTES`, "
-                                              "`calibration BYTES` or `head BYTES`, then the file");
-  page->excludes(candidate)->excludes(calibration)->excludes(head);
+                                              "`calibration BYTES`, `head BYTES` or `map BYTES`, then the file");
+  page->excludes(candidate)->excludes(calibration)->excludes(head)->excludes(map);
   head->excludes(calibration);
+  map->excludes(calibration)->excludes(head);
   command->callback([arguments, candidate, page] {
     if (candidate->count() + page->count() == 0)
       throw StartupError(ExitStatus::kWrongUsage, "name the new file, or - for standard input");

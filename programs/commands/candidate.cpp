@@ -24,7 +24,8 @@ namespace {
 constexpr std::chrono::seconds kPatience{10};
 constexpr std::array kVerbs{std::pair{std::string_view("apply "), CandidateKind::kConfiguration},
                             std::pair{std::string_view("calibration "), CandidateKind::kCalibration},
-                            std::pair{std::string_view("head "), CandidateKind::kHead}};
+                            std::pair{std::string_view("head "), CandidateKind::kHead},
+                            std::pair{std::string_view("map "), CandidateKind::kMap}};
 constexpr std::size_t kMaxHead_bytes = 32;
 
 [[noreturn]] void refuse(const std::string& what) { throw StartupError(ExitStatus::kWrongUsage, what); }
@@ -58,7 +59,8 @@ std::pair<CandidateKind, std::size_t> told_by(std::string_view head) {
     if (length > kMaxApplied_bytes) refuse(fmt::format("longer than {} bytes: is it such a file?", kMaxApplied_bytes));
     if (length > 0) return {kind, length};
   }
-  refuse("that is no request: a line `apply BYTES`, `calibration BYTES` or `head BYTES`, then so many bytes");
+  refuse(
+      "that is no request: a line `apply BYTES`, `calibration BYTES`, `head BYTES` or `map BYTES`, then so many bytes");
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ constexpr char kRefused = 'R', kNote = 'N', kHost = 'H', kPort = 'P';
 
 std::string lines_of(const ConfigToCheck& subject, CheckDepth depth) {
   ConfigProblems problems;
-  Config config = read_config(subject.text, subject.name, subject.path, problems);
+  Config config = read_config(subject.text, subject.name, subject.path, problems, subject.map);
   if (!subject.calibration.empty()) config.camera.calibration = subject.calibration;
   std::string lines;
   const auto add = [&](char kind, const std::string& line) { lines += kind + one_line(line) + '\n'; };

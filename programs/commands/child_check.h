@@ -25,6 +25,7 @@ struct ConfigToCheck {
   std::string name;         ///< how its lines call it
   std::string path;         ///< the file that it is to become
   std::string calibration;  ///< a file that is looked at in the place of the camera's; empty: the one that it names
+  std::string map = {};     ///< likewise of the map's
 };
 
 /// \param user  whose rights it has; empty: the caller's

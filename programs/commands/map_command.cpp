@@ -3,19 +3,15 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <iterator>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "base/startup_error.h"
-#include "base/units.h"
 #include "config/map_file.h"
 #include "drawing/map_plan.h"
 #include "drivers/posix/output_file.h"
@@ -26,51 +22,59 @@
 #include "programs/assembly/recording_camera.h"
 #include "programs/commands/collect_sightings.h"
 #include "programs/commands/commands.h"
+#include "programs/commands/map_findings.h"
+#include "programs/commands/map_news.h"
+#include "programs/commands/map_start.h"
 #include "programs/commands/progress.h"
 
 namespace ninedot {
 namespace {
 
 struct MapArguments {
-  std::vector<std::string> recordings;
+  std::vector<std::string> recordings, origins;
   std::string config, camera, out, plan;
-  std::vector<std::uint16_t> origins;
+  std::string progress;  // "json", or nothing
+  bool with_dictionary = false;
 };
-
-/// More than these few pictures of one landmark are counted, not named.
-constexpr std::size_t kNamedFrames = 5;
-
-[[noreturn]] void refuse(const std::string& what) { throw StartupError(ExitStatus::kWrongUsage, what); }
-
-void check_landmarks(const MapArguments& arguments, const Config& config, const LandmarkMap& known) {
-  if (config.landmarks.size() < 2)
-    refuse(fmt::format("{}: a map needs two [[landmarks]] at least, each with its id and code", arguments.config));
-  for (std::size_t i = 0; i < arguments.origins.size(); ++i) {
-    const MappedLandmark* const origin = known.find(arguments.origins[i]);
-    if (origin == nullptr) {
-      std::vector<int> ids;
-      for (const MappedLandmark& landmark : known.landmarks()) ids.push_back(landmark.id);
-      const bool are_many = ids.size() > 10;
-      if (are_many) ids.resize(10);
-      refuse(fmt::format("--origin {}: {} has no such landmark; it has {}{}", arguments.origins[i], arguments.config,
-                         fmt::join(ids, ", "), are_many ? ", ..." : ""));
-    }
-    if (i > 0 && !origin->has_place)
-      refuse(fmt::format("--origin {}: a further origin needs its position_mm in {}", origin->id, arguments.config));
-  }
-}
 
 /// A recording that is not there or empty was named by mistake.
 void check_recording(const std::string& recording) {
   try {
     static_cast<void>(read_recording_index(recording));
   } catch (const StartupError& error) {
-    refuse(error.what());
+    throw StartupError(ExitStatus::kWrongUsage, error.what());
   }
 }
 
-std::vector<RecordedSightings> read_recordings(const MapArguments& arguments, const Config& config,
-                                               Progress& progress) {
+/// Where it is told how far the work is: a terminal, and another program, which may be gone.
+class Telling {
+ public:
+  /// \param news  may be null
+  explicit Telling(MapNews* news) : news_(news) {}
+
+  void read(const std::string& recording, const MapReading& reading) {
+    if (progress_.is_due())
+      progress_.show(fmt::format("{}: picture {} of {}", recording, reading.frame, reading.frames));
+    if (news_ != nullptr && news_->is_due()) news_->reading(reading);
+    check_that_somebody_listens();
+  }
+  void work(std::string_view what) {
+    progress_.show(what);
+    if (news_ != nullptr) news_->working(what);
+  }
+  void clear() { progress_.clear(); }
+  void check_that_somebody_listens() const {
+    if (news_ != nullptr && news_->is_broken())
+      throw StartupError(ExitStatus::kWorkFailed, "nobody reads any more how it fares: it was ended");
+  }
+
+ private:
+  Progress progress_;
+  MapNews* news_;
+};
+
+std::vector<RecordedSightings> read_recordings(const MapArguments& arguments, const Config& config, int look,
+                                               Telling& telling) {
   std::vector<RecordedSightings> all;
   for (std::size_t i = 0; i < arguments.recordings.size(); ++i) {
     const std::string& recording = arguments.recordings[i];
@@ -78,111 +82,96 @@ std::vector<RecordedSightings> read_recordings(const MapArguments& arguments, co
     const CameraModel camera = recording_camera(recording, arguments.camera, config);
     std::vector<RecordedSightings> frames =
         collect_sightings(recording, i, config, camera, [&](std::size_t frame, std::size_t count) {
-          if (progress.is_due()) progress.show(fmt::format("{}: picture {} of {}", recording, frame, count));
+          telling.read(recording, {look, i + 1, arguments.recordings.size(), frame, count});
         });
     std::ranges::move(frames, std::back_inserter(all));
   }
   return all;
 }
 
-/// The configuration with the places of a first map: with them the localiser foretells where landmarks are, and finds
-/// those that are too small to be found unexpected.
-Config with_places(Config config, const BuiltMap& map) {
-  for (MapLandmarkConfig& landmark : config.landmarks) {
-    const auto placed = std::ranges::find(map.placed, landmark.id, &MappedLandmark::id);
-    if (placed == map.placed.end()) continue;
-    const Eigen::Vector3d p_mm = placed->T_world_landmark.translation_m / kMetresPerMm;
-    const Eigen::Quaterniond q = placed->T_world_landmark.quaternion();
-    landmark.position_mm = {p_mm.x(), p_mm.y(), p_mm.z()};
-    landmark.orientation_wxyz = {q.w(), q.x(), q.y(), q.z()};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto at = static_cast<Eigen::Index>(axis);
-      landmark.sigma_position_mm[axis] = std::sqrt(placed->covariance(at, at)) / kMetresPerMm;
-      landmark.sigma_rotation_deg[axis] = std::sqrt(placed->covariance(at + 3, at + 3)) * kDegPerRad;
-    }
-  }
-  return config;
-}
-
-std::string list_of(const std::vector<std::uint16_t>& ids) { return fmt::format("{}", fmt::join(ids, ", ")); }
-
-/// What a person should know beside the map.
-void tell_findings(const BuiltMap& map, const MapArguments& arguments) {
-  std::map<std::pair<std::uint16_t, std::size_t>, std::vector<std::uint64_t>> disagreeing;
-  for (const DisagreeingSighting& sighting : map.disagreeing)
-    disagreeing[{sighting.id, sighting.recording}].push_back(sighting.frame);
-  for (const auto& [where, frames] : disagreeing) {
-    const std::vector<std::uint64_t> named(
-        frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(std::min(frames.size(), kNamedFrames)));
-    fmt::print(stderr, "ninedot: landmark {} disagrees with the rest in {} {} of {} ({}{}) and was left out there\n",
-               where.first, frames.size(), frames.size() == 1 ? "picture" : "pictures",
-               arguments.recordings[where.second], fmt::join(named, ", "), named.size() < frames.size() ? ", ..." : "");
-  }
-  for (const std::uint16_t id : map.disagreeing_surveys)
-    fmt::print(stderr, "ninedot: landmark {}: the pictures contradict its surveyed place, which was not used\n", id);
-  for (const std::uint16_t id : map.unseen)
-    fmt::print(stderr, "ninedot: landmark {} is not placed: no picture shows it beside another one\n", id);
-  for (const std::vector<std::uint16_t>& island : map.islands)
-    fmt::print(stderr,
-               "ninedot: not placed: {}: take two pictures at least that show one of them beside one that is placed\n",
-               list_of(island));
-  if (map.variance_factor > 1.5)
-    fmt::print(
-        stderr,
-        "ninedot: the sightings spread {:.1f} times as widely as they say, and sigmas were enlarged by that: is it "
-        "the right calibration, and were the sheets flat and still?\n",
-        std::sqrt(map.variance_factor));
-}
-
-std::vector<std::string> notes_of(const BuiltMap& map, const MapArguments& arguments) {
+/// A comment for each.
+std::vector<std::string> notes_of(const std::vector<MappedLandmark>& landmarks, const BuiltMap& map,
+                                  const MapStart& start) {
   std::vector<std::string> notes;
-  for (std::size_t i = 0; i < map.placed.size(); ++i)
-    notes.push_back(std::ranges::count(arguments.origins, map.placed[i].id) > 0
-                        ? "given"
-                        : fmt::format("{} sightings", map.sighting_counts[i]));
+  for (const MappedLandmark& landmark : landmarks) {
+    const auto placed = std::ranges::find(map.placed, landmark.id, &MappedLandmark::id);
+    if (placed == map.placed.end())
+      notes.emplace_back("not placed");
+    else if (start.is_exact(landmark.id))
+      notes.emplace_back("given");
+    else
+      notes.push_back(
+          fmt::format("{} sightings", map.sighting_counts[static_cast<std::size_t>(placed - map.placed.begin())]));
+  }
   return notes;
 }
 
-void run_map(const MapArguments& arguments) {
-  const Config config = read_config(arguments.config);
-  const LandmarkMap known = landmark_map(config);
-  check_landmarks(arguments, config, known);
-  // Before the work, so that a folder that is not there is told at once.
-  OutputFile map_file(arguments.out);
-  std::optional<OutputFile> plan_file;
-  if (!arguments.plan.empty()) plan_file.emplace(arguments.plan);
-  Progress progress;
-  MapBuilderOptions options;
-  options.geometry = localiser_options(config).seeker.landmark;
-  options.exact = arguments.origins;
-  options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  options.progress = [&progress](std::string_view what) { progress.show(what); };
-  BuiltMap map = build_map(read_recordings(arguments, config, progress), known, options);
-  if (map.placed.size() > arguments.origins.size())
-    map = build_map(read_recordings(arguments, with_places(config, map), progress), known, options);
-  progress.clear();
-  tell_findings(map, arguments);
-  if (map.placed.size() <= arguments.origins.size())
-    throw StartupError(ExitStatus::kWorkFailed,
-                       fmt::format("no landmark could be placed: no two pictures show landmark {} beside another one",
-                                   arguments.origins.front()));
-
-  std::string summary = fmt::format("{} of {} landmarks placed, from {} sightings in {} pictures", map.placed.size(),
-                                    known.landmarks().size(), map.sightings, map.frames);
-  const std::vector<std::string> comment{
-      fmt::format("Made by `ninedot map`: uncertainties are 1-sigma, relative to landmark {}.",
-                  arguments.origins.front()),
-      summary};
-  map_file.write(format_map(map.placed, comment, notes_of(map, arguments)));
-  map_file.finish();
-  if (plan_file) {
-    plan_file->write(draw_map_plan(map.placed, arguments.origins.front()));
-    plan_file->finish();
+/// The outcome's files, opened before the work, so that a folder that is not there is told at once.
+class MapFiles {
+ public:
+  explicit MapFiles(const MapArguments& arguments) : map_(arguments.out) {
+    if (!arguments.plan.empty()) plan_.emplace(arguments.plan);
   }
-  if (map.weakest)
-    summary += fmt::format("; a picture that shows {} and {} together would help most: they are certain to {:.2g} mm",
-                           map.weakest->a, map.weakest->b, map.weakest->sigma_m / kMetresPerMm);
-  fmt::print(stderr, "{}\n", summary);
+
+  void write(const BuiltMap& map, const MapStart& start) {
+    const std::vector<MappedLandmark> landmarks = landmarks_of_map(map, start);
+    const std::vector<std::string> comment{
+        fmt::format("Made by `ninedot map`: uncertainties are 1-sigma, relative to landmark {}.", start.origin()),
+        map_summary(map, start)};
+    map_.write(format_map(landmarks, comment, notes_of(landmarks, map, start)));
+    map_.finish();
+    if (!plan_) return;
+    plan_->write(draw_map_plan(map.placed, start.origin()));
+    plan_->finish();
+  }
+
+ private:
+  OutputFile map_;
+  std::optional<OutputFile> plan_;
+};
+
+void make_map(const MapArguments& arguments, MapNews* news) {
+  MapStart start =
+      map_start(read_config(arguments.config), arguments.config, arguments.origins, arguments.with_dictionary);
+  MapFiles files(arguments);
+  Telling telling(news);
+  const auto is_of_use = [&](const BuiltMap& map) {
+    return map.sightings > 0 &&
+           !std::ranges::all_of(map.placed, [&](const MappedLandmark& one) { return start.is_exact(one.id); });
+  };
+  const auto build = [&](int look, SeenLandmarks& seen) {
+    const std::vector<RecordedSightings> frames = read_recordings(arguments, start.config, look, telling);
+    seen = seen_in(frames, arguments.recordings.size());
+    MapBuilderOptions options;
+    options.geometry = localiser_options(start.config).seeker.landmark;
+    options.exact = start.exact;
+    options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    options.progress = [&telling](std::string_view what) { telling.work(what); };
+    BuiltMap map = build_map(frames, start.known, options);
+    telling.check_that_somebody_listens();
+    return map;
+  };
+  SeenLandmarks seen;
+  BuiltMap map = build(1, seen);
+  if (is_of_use(map)) {
+    start = second_start(start, map, seen);
+    map = build(2, seen);
+  }
+  telling.clear();
+  const std::vector<std::string> lines = map_findings(map, start, seen, arguments.recordings);
+  for (const std::string& line : lines) fmt::print(stderr, "ninedot: {}\n", line);
+  if (!is_of_use(map)) throw StartupError(ExitStatus::kWorkFailed, why_no_map(seen, start));
+  files.write(map, start);
+  const std::string wish = map_wish(map);
+  fmt::print(stderr, "{}{}{}\n", map_summary(map, start), wish.empty() ? "" : "; ", wish);
+  if (news != nullptr) news->done(map, start, lines, arguments.out, arguments.plan);
+}
+
+void run_map(const MapArguments& arguments) {
+  if (!arguments.progress.empty() && arguments.out == "-")
+    throw StartupError(ExitStatus::kWrongUsage,
+                       "--progress and --out - would both write to standard output: name a file");
+  with_news<MapNews>(arguments.progress, [&](MapNews* news) { make_map(arguments, news); });
 }
 
 }  // namespace
@@ -199,12 +188,20 @@ void add_map_command(CLI::App& app) {
   command
       ->add_option(
           "--origin", arguments->origins,
-          "landmark whose place is given: that of the configuration, or 0, 0, 0; may be given again for others")
+          "id of the landmark whose place is given: that of the configuration, or 0, 0, 0; may be given again for "
+          "others; measured: all places of the configuration that somebody measured; map: all that it has")
       ->allow_extra_args(false)
       ->required();
+  command->add_flag("--new", arguments->with_dictionary,
+                    "landmarks of `ninedot pattern --id` that the configuration does not have join the map where the "
+                    "pictures show them");
   command->add_option("--out", arguments->out, "file for the map, which the configuration's key 'map' may name")
       ->required();
   command->add_option("--plan", arguments->plan, "SVG file: the map from above, with its uncertainties");
+  command
+      ->add_option("--progress", arguments->progress,
+                   "json: a line of JSON on standard output for each piece of news, for programs that show them")
+      ->check(CLI::IsMember({"json"}));
   command->callback([arguments] { run_map(*arguments); });
 }
 

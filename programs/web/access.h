@@ -34,10 +34,13 @@ struct PostPath {
 /// What more than kMostBody_bytes is for is taken one at a time.
 inline constexpr std::size_t kMostBody_bytes = 128;
 inline constexpr std::size_t kMostLargeBody_bytes = std::size_t{256} * 1024;
-inline constexpr std::array kPostPaths{
-    PostPath{"/api/aim", kMostBody_bytes}, PostPath{"/api/recordings", kMostBody_bytes},
-    PostPath{"/api/calibrate", kMostBody_bytes}, PostPath{"/api/configuration/check", kMostLargeBody_bytes, false},
-    PostPath{"/api/configuration/apply", kMostLargeBody_bytes}};
+inline constexpr std::size_t kMostNames_bytes = std::size_t{6} * 1024;  ///< of 200 recordings
+inline constexpr std::array kPostPaths{PostPath{"/api/aim", kMostBody_bytes},
+                                       PostPath{"/api/recordings", kMostBody_bytes},
+                                       PostPath{"/api/calibrate", kMostBody_bytes},
+                                       PostPath{"/api/map/build", kMostNames_bytes},
+                                       PostPath{"/api/configuration/check", kMostLargeBody_bytes, false},
+                                       PostPath{"/api/configuration/apply", kMostLargeBody_bytes}};
 
 /// \return  nothing: nothing can be posted there
 const PostPath* find_post_path(std::string_view path) noexcept;

@@ -14,7 +14,10 @@
 #include <utility>
 
 #include "base/json_text.h"
+#include "base/startup_error.h"
 #include "drivers/posix/file_descriptor.h"
+#include "drivers/posix/text_file.h"
+#include "programs/web/access.h"
 
 namespace ninedot {
 namespace {
@@ -100,6 +103,14 @@ DeskReply ApplyRequest::begin(std::string_view verb, std::string text, bool has_
   }
   thread_ = std::thread([this, verb = std::string(verb), text = std::move(text)] { hand_over(verb, text); });
   return {202, json()};
+}
+
+DeskReply ApplyRequest::begin_with_file(std::string_view verb, const std::string& path, bool has_token) {
+  try {
+    return begin(verb, read_text_file(path, kMostLargeBody_bytes), has_token);
+  } catch (const StartupError& error) {
+    return {409, std::string(error.what()) + "\n"};
+  }
 }
 
 std::string ApplyRequest::json() const {

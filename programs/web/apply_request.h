@@ -36,8 +36,10 @@ class ApplyRequest {
 
   /// For people, half a sentence; empty: changes may be asked for. \param has_token  the page needs one
   std::string why_not(bool has_token) const;
-  /// Begins. \param verb  "apply": `text` is a configuration; "calibration": one of the camera
+  /// Begins. \param verb  what `text` is: "apply": a configuration; "calibration": the camera's; "head"; "map"
   DeskReply begin(std::string_view verb, std::string text, bool has_token);
+  /// The same of a file. 409: it can't be read.
+  DeskReply begin_with_file(std::string_view verb, const std::string& path, bool has_token);
   /// The newest one.
   std::string json() const;
   /// One went well, a moment ago so that its page has heard of it: true once.

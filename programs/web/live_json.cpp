@@ -248,4 +248,16 @@ std::string map_json(const Config& config) {
   return list.done();
 }
 
+std::string landmarks_json(const Config& config) {
+  Json list('[');
+  for (const MapLandmarkConfig& landmark : config.landmarks) {
+    Json one;
+    one.integer("id", static_cast<std::uint64_t>(landmark.id)).text("code", landmark.code);
+    one.flag("placed", landmark.position_mm.has_value());
+    one.flag("measured", landmark.position_mm.has_value() && !landmark.from_pictures);
+    list.raw("", one.done());
+  }
+  return list.done();
+}
+
 }  // namespace ninedot

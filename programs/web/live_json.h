@@ -16,5 +16,7 @@ std::string frame_json(const TapFrame& frame, MonoTime now);
 std::string service_json(const TapService& service, MonoTime now);
 /// Landmarks with a place. \param config  with its map read
 std::string map_json(const Config& config);
+/// All that the configuration has itself, with a place or without. \param config  likewise
+std::string landmarks_json(const Config& config);
 
 }  // namespace ninedot

@@ -24,9 +24,9 @@
 #include "base/startup_error.h"
 #include "config/config_checks.h"
 #include "drivers/posix/text_file.h"
-#include "programs/web/calibration_answers.h"
 #include "programs/web/configuration_answers.h"
 #include "programs/web/http_answer.h"
+#include "programs/web/job_answers.h"
 #include "programs/web/large_body.h"
 #include "programs/web/live_feed.h"
 #include "programs/web/live_json.h"
@@ -256,23 +256,25 @@ class WebServer::Daemon {
   MHD_Result answer(MHD_Connection* connection, const char* path, const char* method) {
     const MonoTime now = mono_now();
     const RequestHead head = head_of(connection, path, method);
-    InlineVector<char, kMostBody_bytes> body;
+    InlineVector<char, kMostBody_bytes> small;
     {
       const std::lock_guard lock(mutex_);
       if (Guest* guest = guest_of(connection); guest != nullptr && !guest->is_answered) {
         guest->since = now;
         guest->is_answered = true;
-        body = guest->body;
+        small = guest->body;
       }
     }
+    const std::string_view body =
+        large_body_.is_of(connection) ? large_body_.text() : std::string_view(small.begin(), small.size());
     if (head.path.starts_with(kConfigurationPath))
-      return answer_configuration(connection, head, large_body_.is_of(connection) ? large_body_.text() : "",
-                                  options_.desk, !options_.rules.token.empty());
-    if (is_of_calibration(head.path))
-      return answer_calibration(connection, head, {body.begin(), body.size()}, options_.calibrations);
-    if (RecordingsApi::is_for(head.path)) return answer_recordings(connection, head, {body.begin(), body.size()});
+      return answer_configuration(connection, head, body, options_.desk, !options_.rules.token.empty());
+    if (is_below(head.path, kCalibratePath))
+      return answer_job(connection, head, kCalibratePath, body, options_.calibrations);
+    if (is_below(head.path, kBuildMapPath)) return answer_job(connection, head, kBuildMapPath, body, options_.maps);
+    if (RecordingsApi::is_for(head.path)) return answer_recordings(connection, head, body);
     if (head.method == "POST") {
-      const AimReply reply = options_.jogger.reply_to({body.begin(), body.size()}, head.peer);
+      const AimReply reply = options_.jogger.reply_to(body, head.peer);
       return send_text(connection, reply.status, reply.json, kJsonText);
     }
     if (head.path == "/api/aim")

@@ -10,6 +10,7 @@
 #include "programs/web/calibration_desk.h"
 #include "programs/web/configuration_desk.h"
 #include "programs/web/jogger.h"
+#include "programs/web/map_desk.h"
 #include "programs/web/recorder.h"
 
 namespace ninedot {
@@ -23,6 +24,7 @@ struct WebServerOptions {
   Recorder& recorder;                     ///< likewise
   ConfigurationDesk& desk;                ///< likewise
   CalibrationDesk& calibrations;          ///< likewise
+  MapDesk& maps;                          ///< likewise
 };
 
 /// Serves from construction to destruction.

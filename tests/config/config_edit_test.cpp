@@ -79,6 +79,41 @@ TEST(ConfigEdit, ReadsTheKeysOfTables) {
   EXPECT_THROW(keys_of("a = = 2", "x"), StartupError);
 }
 
+std::string refusal_of_map(const std::string& text) {
+  try {
+    with_map_named(text, "\"map.toml\"", "ninedot.toml");
+  } catch (const StartupError& error) {
+    EXPECT_EQ(error.status, ExitStatus::kWrongUsage);
+    return error.what();
+  }
+  ADD_FAILURE() << "was not refused: " << text;
+  return {};
+}
+
+std::string with_map(const std::string& text) { return with_map_named(text, "\"map.toml\"", "x"); }
+
+TEST(ConfigEdit, PutsAMapInThePlaceOfTheLandmarksAndTouchesNothingElse) {
+  EXPECT_EQ(with_map("# a größer hall\n[camera]\nwidth_px = 640\n\n# by the door\n[[landmarks]] # one\nid = 1 # ö\n"
+                     "# between\nposition_mm = [1,\n  2, 3] # measured\n\n[[landmarks]]\nid = 2\n# the "
+                     "head\n[pan_tilt]\ndriver = \"none\"\n[[landmarks]]\nid = 3"),
+            "map = \"map.toml\"\n# a größer hall\n[camera]\nwidth_px = 640\n\n# by the door\n# the "
+            "head\n[pan_tilt]\ndriver = \"none\"\n");
+  EXPECT_EQ(with_map("map = \"\" # none yet\n[camera]\n"), "map = \"map.toml\" # none yet\n[camera]\n");
+  EXPECT_EQ(with_map(""), "map = \"map.toml\"\n");
+  EXPECT_EQ(with_map("[[landmarks]]\r\nid = 1\r\n[web]\r\n"), "map = \"map.toml\"\n[web]\r\n");
+  EXPECT_EQ(with_map("[web]\nkey = '''\n[[landmarks]]\nid = 1\n'''\n"),
+            "map = \"map.toml\"\n[web]\nkey = '''\n[[landmarks]]\nid = 1\n'''\n");
+}
+
+TEST(ConfigEdit, RefusesLandmarksThatCanNotBeTakenOut) {
+  const std::string said =
+      "ninedot.toml: the landmarks can't be taken out of it, and a map takes their place: give each a [[landmarks]] of "
+      "its own, and its keys below it";
+  EXPECT_EQ(refusal_of_map("landmarks = [{id = 1}, {id = 2}]\n"), said);
+  EXPECT_EQ(refusal_of_map("landmarks = [1, 2]\n"), said);
+  EXPECT_EQ(refusal_of_map("[[landmarks\n").substr(0, 15), "ninedot.toml:1:");
+}
+
 TEST(ConfigEdit, IsNotExhaustedByTextsThatAreMadeTo) {
   std::string dots = "[a]\na";
   for (int i = 0; i < 200'000; ++i) dots += ".a";

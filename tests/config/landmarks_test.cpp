@@ -157,7 +157,7 @@ TEST(ConfigLandmarks, AreRefusedWithAPlaceSaidTwiceOrByHalves) {
   EXPECT_EQ(error_of(place + "sigma_rotation_deg = [1, 181, 0]"),
             "t.toml:4: 'sigma_rotation_deg' is 181; write 0 to 180 deg");
   for (const std::string key : {"heading_deg = 5", "orientation_wxyz = [1, 0, 0, 0]", "sigma_position_mm = [1, 1, 1]",
-                                "sigma_rotation_deg = [1, 1, 1]"})
+                                "sigma_rotation_deg = [1, 1, 1]", "from_pictures = true"})
     EXPECT_NE(error_of("[[landmarks]]\nid = 1\n" + key)
                   .find("t.toml:3: '" + key.substr(0, key.find(' ')) + "' without 'position_mm'"),
               std::string::npos)

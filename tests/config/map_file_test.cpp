@@ -52,5 +52,14 @@ TEST(MapFile, SaysNoPlaceWhereThereIsNone) {
   EXPECT_FALSE(read_back(text).find(3)->has_place);
 }
 
+TEST(MapFile, TellsWhatFollowsFromPicturesFromWhatWasMeasured) {
+  MappedLandmark found = placed();
+  found.id = 8, found.code = "RRGKBGKB", found.from_pictures = true;
+  found.T_world_landmark.translation_m.x() += 1;
+  const LandmarkMap map = read_back(format_map(std::vector{placed(), found}, {}, std::vector<std::string>(2)));
+  EXPECT_FALSE(map.find(7)->from_pictures);
+  EXPECT_TRUE(map.find(8)->from_pictures);
+}
+
 }  // namespace
 }  // namespace ninedot

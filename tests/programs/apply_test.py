@@ -328,6 +328,90 @@ class Apply(unittest.TestCase):
         self.assertFalse((self.folder / "camera.yaml").exists())
         self.assert_as_it_was(restarts=3)
 
+    MAP = """# Made by `ninedot map`: uncertainties are 1-sigma, relative to landmark 0.
+
+[[landmarks]]  # given
+id = 0
+position_mm = [0.000, 0.000, 1200.000]
+orientation_wxyz = [1.000000000, 0.000000000, 0.000000000, 0.000000000]  # heading 0.00 deg
+
+[[landmarks]]  # 12 sightings
+id = 5
+code = "KRGBKKRB"
+position_mm = [900.000, 0.000, 1200.000]
+orientation_wxyz = [1.000000000, 0.000000000, 0.000000000, 0.000000000]  # heading 0.00 deg
+from_pictures = true
+sigma_position_mm = [1.0000, 1.0000, 1.0000]
+sigma_rotation_deg = [0.1000, 0.1000, 0.1000]
+"""
+
+    def test_a_first_map_takes_the_place_of_the_landmarks(self):
+        landmarks = "[[landmarks]]\nid = 0\n\n[[landmarks]]\nid = 5 # by the door\ncode = \"KRGBKKRB\"\n"
+        rest = self.old
+        self.old += landmarks
+        self.config.write_text(self.old)
+        self.new.write_text(self.MAP)
+        done = self.apply(self.new, "--map")
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        self.assertEqual(self.config.read_text(), 'map = "map.toml"\n' + rest)
+        self.assertEqual((self.folder / "map.toml").read_text(), self.MAP)
+        self.assertEqual((self.folder / "ninedot.toml.before").read_text(), self.old)
+        self.runs()
+        # The next one takes its place, and nothing else changes.
+        self.new.write_text(self.MAP.replace("900.000", "910.000"))
+        done = self.apply(self.new, "--map")
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        self.assertEqual((self.folder / "map.toml").read_text(), self.MAP.replace("900.000", "910.000"))
+        self.assertEqual((self.folder / "map.toml.before").read_text(), self.MAP)
+        self.assertFalse((self.folder / "map.toml.new").exists())
+        self.assertEqual(self.config.read_text(), 'map = "map.toml"\n' + rest)
+        self.assertIn("holds this already", self.apply(self.new, "--map").stdout)
+        self.assertEqual(self.restarts(), 3)
+
+    def with_map(self):
+        """The service runs with a map that its configuration names."""
+        self.map = self.folder / "hall.toml"
+        self.map.write_text(self.MAP)
+        self.old = 'map = "hall.toml"\n' + self.old
+        self.config.write_text(self.old)
+        subprocess.run([self.script], check=True)
+
+    def test_what_is_no_map_is_refused(self):
+        self.with_map()
+        for text, reason in (("no map\n", r"hall\.toml\.new:1: "), ("[camera]\nwidth_px = 640\n", "a map holds"), (self.MAP.replace("id = 5", "id = 0"), "two landmarks have the id 0"),
+                             ("# nothing\n", "a map needs")):
+            self.new.write_text(text)
+            done = self.apply(self.new, "--map")
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertRegex(done.stderr, reason)
+            self.assertEqual(self.map.read_text(), self.MAP)
+            self.assertFalse((self.folder / "hall.toml.new").exists())
+            self.assert_as_it_was(restarts=2)
+        self.assertEqual(self.apply(self.new, "--map", "--head").returncode, 2)
+
+    def test_a_map_that_does_not_come_up_is_taken_back(self):
+        self.with_map()
+        fails = self.folder / "fails.sh"
+        fails.write_text(f"#!/bin/bash\n{self.script}\nif grep -q 910.000 {self.map}; then kill $(cat {self.folder}/pid); echo the map >&2; exit 1; fi\n")
+        fails.chmod(0o755)
+        self.new.write_text(self.MAP.replace("900.000", "910.000"))
+        done = self.apply(self.new, "--map", restart=fails)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertRegex(done.stderr, "hall.toml: as it was before, and the service runs with it; .*the map")
+        self.assertEqual(self.map.read_text(), self.MAP)
+        self.assert_as_it_was(restarts=4)
+
+    def test_the_page_hands_over_a_map(self):
+        self.with_map()
+        status, answer = self.page(b"map 5\nwrong")
+        self.assertEqual(status, 2, answer)
+        self.assertRegex(answer.splitlines()[-1], r"^refused: .*hall\.toml\.new")
+        other = self.MAP.replace("900.000", "910.000").encode()
+        status, answer = self.page(b"map %d\n%s" % (len(other), other), close=False)
+        self.assertEqual(status, 0, answer)
+        self.assertRegex(answer.splitlines()[-1], r"^up: .*hall\.toml\.before")
+        self.assertEqual(self.map.read_bytes(), other)
+
     HEAD = """# Made by `ninedot calibrate pan-tilt`.
 [body]
 camera_mm = [33.6, -8, 20.9]  # 1-sigma 0.7 mm

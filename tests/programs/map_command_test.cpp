@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -143,6 +144,25 @@ class MapCommandLine : public testing::Test {
 
   std::string path(const char* name) const { return (folder_ / name).string(); }
 
+  std::string text_of(const char* name) const {
+    std::ifstream stream(folder_ / name);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  /// As `map = "map.toml"` gives it.
+  LandmarkMap made() {
+    std::ofstream(folder_ / "with_map.toml") << "map = \"map.toml\"\n";
+    return landmark_map(read_config(path("with_map.toml")));
+  }
+  /// How far from where it truly hangs, relative to the first one. [m]
+  static double error_m(const LandmarkMap& map, std::size_t sheet) {
+    const WorldFromLandmark& origin = map.find(1)->T_world_landmark;
+    const WorldFromLandmark& truth = sheets()[0].place;
+    const MappedLandmark& placed = *map.find(static_cast<std::uint16_t>(sheets()[sheet].id));
+    return (origin.inverse() * placed.T_world_landmark.translation_m -
+            truth.inverse() * sheets()[sheet].place.translation_m)
+        .norm();
+  }
+
   const fs::path folder_;
 };
 
@@ -151,8 +171,7 @@ TEST_F(MapCommandLine, PlacesSheetsThatPicturesShowTogether) {
   const test::TypedOutcome outcome = type({"--origin", "1", "--plan", path("plan.svg")});
   ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
   EXPECT_NE(outcome.said.find("3 of 3 landmarks placed"), std::string::npos) << outcome.said;
-  std::ofstream(folder_ / "with_map.toml") << "map = \"map.toml\"\n";
-  const LandmarkMap map = landmark_map(read_config(path("with_map.toml")));
+  const LandmarkMap map = made();
   const WorldFromLandmark origin = sheets()[0].place;
   ASSERT_EQ(map.landmarks().size(), 3U);
   for (const Sheet& sheet : sheets()) {
@@ -186,6 +205,117 @@ TEST_F(MapCommandLine, RefusesWhatItCanNotStartFrom) {
   fails(ExitStatus::kWorkFailed, {"--origin", "1", "--plan", path("nowhere/plan.svg")}, "nowhere/plan.svg");
   std::ofstream(folder_ / "ninedot.toml") << "[[landmarks]]\nid = 1\ncode = \"KRGBKKRB\"\n";
   fails(ExitStatus::kWrongUsage, {"--origin", "1"}, "a map needs two [[landmarks]]");
+}
+
+TEST_F(MapCommandLine, SaysInOneLineWhyNothingCameOfIt) {
+  record(2);
+  fails(ExitStatus::kWrongUsage, {"--origin", "measured"}, "has no landmark with a measured place");
+  fails(ExitStatus::kWrongUsage, {"--origin", "map"}, "has no landmark with a place");
+  fails(ExitStatus::kWrongUsage, {"--origin", "door"}, "give the id of a landmark");
+  fails(ExitStatus::kWrongUsage, {"--origin", "1", "--origin", "map"}, "give the id of a landmark");
+  write_config("[[landmarks]]\nid = 77\ncode = \"BGGGKRGG\"\n");
+  fails(ExitStatus::kWorkFailed, {"--origin", "77"}, "together are seen: 1, 2, 3");
+  std::ofstream(folder_ / "ninedot.toml")
+      << "[[landmarks]]\nid = 7\ncode = \"BGRBKKBK\"\n[[landmarks]]\nid = 8\ncode = \"BGGGKRGG\"\n";
+  fails(ExitStatus::kWorkFailed, {"--origin", "7"}, "no picture shows one of the configuration's");
+  std::ofstream(folder_ / "ninedot.toml")
+      << "[[landmarks]]\nid = 1\ncode = \"KRGBKKRB\"\n[[landmarks]]\nid = 8\ncode = \"BGGGKRGG\"\n";
+  fails(ExitStatus::kWorkFailed, {"--origin", "1"}, "seen one at a time: 1");
+}
+
+TEST_F(MapCommandLine, KeepsWhatWasMeasuredAndFindsTheRestAnew) {
+  record(6);
+  std::ofstream(folder_ / "ninedot.toml") << R"([[landmarks]]
+id = 1
+code = "KRGBKKRB"
+position_mm = [1000, 2000, 1400]
+heading_deg = 90
+[[landmarks]]
+id = 2
+code = "RRGKBGKB"
+position_mm = [5000, 5000, 5000]
+sigma_position_mm = [1, 1, 1]
+sigma_rotation_deg = [0.1, 0.1, 0.1]
+from_pictures = true
+[[landmarks]]
+id = 3
+code = "KKGRRBGB"
+[[landmarks]]
+id = 9
+code = "BGGGKRGG"
+)";
+  const test::TypedOutcome outcome = type({"--origin", "measured"});
+  ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
+  EXPECT_NE(outcome.said.find("landmark 9 is not placed: no picture shows it\n"), std::string::npos) << outcome.said;
+  EXPECT_NE(outcome.said.find("3 of 4 landmarks placed"), std::string::npos) << outcome.said;
+  const LandmarkMap map = made();
+  EXPECT_EQ(map.landmarks().size(), 4U) << "none is lost";
+  EXPECT_FALSE(map.find(9)->has_place);
+  EXPECT_FALSE(map.find(1)->from_pictures);
+  EXPECT_LT((map.find(1)->T_world_landmark.translation_m - Eigen::Vector3d(1, 2, 1.4)).norm(), 1e-9);
+  for (const std::size_t sheet : {1U, 2U}) {
+    EXPECT_TRUE(map.find(static_cast<std::uint16_t>(sheets()[sheet].id))->from_pictures);
+    EXPECT_LT(error_m(map, sheet), 0.004);
+  }
+  // Again with that very map: what follows from pictures is found anew, and counts once.
+  std::ofstream(folder_ / "ninedot.toml") << "map = \"first.toml\"\n";
+  fs::copy_file(folder_ / "map.toml", folder_ / "first.toml");
+  ASSERT_EQ(type({"--origin", "measured"}).status, ExitStatus::kSuccess);
+  const double sigma_m = std::sqrt(map.find(2)->covariance(0, 0));
+  EXPECT_NEAR(std::sqrt(made().find(2)->covariance(0, 0)), sigma_m, 0.1 * sigma_m);
+}
+
+TEST_F(MapCommandLine, JoinsWhatIsNewToTheMapThatThereIs) {
+  record(6);
+  ASSERT_EQ(type({"--origin", "1"}).status, ExitStatus::kSuccess);
+  const LandmarkMap before = made();
+  // Of the third one nobody knows any more where it hangs.
+  const std::string first = text_of("map.toml");
+  std::ofstream(folder_ / "first.toml") << first.substr(0, first.find("\n[[landmarks]]", first.find("id = 2")))
+                                        << "\n[[landmarks]]\nid = 3\ncode = \"KKGRRBGB\"\n";
+  std::ofstream(folder_ / "ninedot.toml") << "map = \"first.toml\"\n";
+  const test::TypedOutcome outcome = type({"--origin", "map"});
+  ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
+  const LandmarkMap map = made();
+  EXPECT_LT(error_m(map, 2), 0.004);
+  EXPECT_TRUE(map.find(2)->from_pictures);
+  EXPECT_LT(map.find(2)->covariance(0, 0), 0.7 * before.find(2)->covariance(0, 0)) << "its place counted as well";
+}
+
+TEST_F(MapCommandLine, NamesSheetsThatTheConfigurationDoesNotHave) {
+  record(6);
+  std::ofstream(folder_ / "ninedot.toml") << "[[landmarks]]\nid = 1\ncode = \"KRGBKKRB\"\n";
+  const test::TypedOutcome outcome = type({"--origin", "1", "--new"});
+  ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
+  EXPECT_NE(outcome.said.find("3 of 3 landmarks placed"), std::string::npos) << outcome.said;
+  const LandmarkMap map = made();
+  ASSERT_EQ(map.landmarks().size(), 3U) << text_of("map.toml");
+  for (const std::size_t sheet : {1U, 2U}) EXPECT_LT(error_m(map, sheet), 0.004);
+  EXPECT_EQ(map.find(3)->code, "KKGRRBGB");
+  // Nothing at all is configured.
+  std::ofstream(folder_ / "ninedot.toml") << "";
+  ASSERT_EQ(type({"--origin", "2", "--new"}).status, ExitStatus::kSuccess);
+  EXPECT_TRUE(made().find(2)->T_world_landmark.translation_m.isZero());
+}
+
+TEST_F(MapCommandLine, TellsAnotherProgramHowItFares) {
+  record(6);
+  testing::internal::CaptureStdout();
+  const test::TypedOutcome outcome = type({"--origin", "1", "--plan", path("plan.svg"), "--progress", "json"});
+  const std::string news = testing::internal::GetCapturedStdout();
+  ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
+  EXPECT_TRUE(news.starts_with(R"({"state":"reading","look":1,"recording":1,"recordings":1,"frame":1,"frames":6})"))
+      << news;
+  const std::string last = news.substr(news.rfind('\n', news.size() - 2) + 1);
+  EXPECT_TRUE(last.starts_with(R"({"state":"done","summary":"3 of 3 landmarks placed, from )")) << last;
+  EXPECT_NE(last.find(R"("placed":[{"id":1,"mm":[0.00,0.00,0.00],"sigma_mm":[0,0,0],"sigma_deg":0,"sightings":)"),
+            std::string::npos)
+      << last;
+  EXPECT_NE(last.find(R"("how":"found","new":false}],"lines":[],)"), std::string::npos) << last;
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(type({"--origin", "9", "--progress", "json"}).status, ExitStatus::kWrongUsage);
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), R"({"state":"failed","why":"--origin 9: )" + path("ninedot.toml") +
+                                                        " has no such landmark; it has 1, 2, 3\"}\n");
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ RequestHead changing(std::string_view path = "/api/aim") {
 
 TEST(WebAccess, LetsThePageItselfChangeSomethingWithTheToken) {
   Access access = guarded_access();
-  for (const char* path : {"/api/aim", "/api/recordings", "/api/calibrate"})
+  for (const char* path : {"/api/aim", "/api/recordings", "/api/calibrate", "/api/map/build"})
     EXPECT_EQ(access.refusal_of(changing(path), {}).status, 0U) << path;
   RequestHead older = changing();
   older.fetch_site = "";
@@ -126,6 +126,11 @@ TEST(WebAccess, TakesALongBodyWhereOneIsExpected) {
     head.content_length = "262145";
     EXPECT_EQ(access.refusal_of(head, {}).status, 413U) << path;
   }
+  head.path = "/api/map/build";
+  head.content_length = "6144";
+  EXPECT_EQ(access.refusal_of(head, {}).status, 0U) << "the names of 200 recordings";
+  head.content_length = "6145";
+  EXPECT_EQ(access.refusal_of(head, {}).status, 413U);
   head.path = "/api/aim";
   head.content_length = "129";
   EXPECT_EQ(access.refusal_of(head, {}).status, 413U);
@@ -150,7 +155,7 @@ TEST(WebAccess, ChecksWithoutATokenWhereNoneIsSetButForNoOtherPage) {
 
 TEST(WebAccess, ChangesNothingWithoutAToken) {
   Access guarded = guarded_access();
-  for (const char* path : {"/api/aim", "/api/recordings", "/api/calibrate"}) {
+  for (const char* path : {"/api/aim", "/api/recordings", "/api/calibrate", "/api/map/build"}) {
     RequestHead unknown = changing(path);
     unknown.authorization = "";
     EXPECT_EQ(guarded.refusal_of(unknown, {}).status, 401U) << path;
@@ -168,7 +173,7 @@ TEST(WebAccess, ChangesNothingWithoutAToken) {
 
 TEST(WebAccess, ChangesNothingForOtherPages) {
   Access access = guarded_access();
-  for (const char* path : {"/api/aim", "/api/recordings", "/api/calibrate"})
+  for (const char* path : {"/api/aim", "/api/recordings", "/api/calibrate", "/api/map/build"})
     for (const char* origin : {"", "null", "http://evil.example", "https://127.0.0.1:8090", "http://127.0.0.1:8091",
                                "http://127.0.0.1", "http://127.0.0.1:8090.evil.example", "http://localhost:8090"}) {
       RequestHead head = changing(path);

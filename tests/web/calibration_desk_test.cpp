@@ -10,7 +10,9 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
 
 #include "tests/web/applier.h"
 
@@ -19,6 +21,19 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
+
+/// With a job of its own.
+struct DeskAndJob {
+  DeskAndJob(CalibrationDeskOptions options, const std::string& program, ApplyRequest& request,
+             std::chrono::nanoseconds unheard = std::chrono::minutes(1))
+      : job(program, unheard), desk(std::move(options), job, request) {}
+  DeskReply reply_to(std::string_view text) { return desk.reply_to(text); }
+  std::string state_json() const { return desk.state_json(); }
+  std::string file_of(std::string_view path) const { return desk.file_of(path); }
+
+  ChildJob job;
+  CalibrationDesk desk;
+};
 
 class CalibrationDeskTest : public testing::Test {
  protected:
@@ -37,11 +52,11 @@ class CalibrationDeskTest : public testing::Test {
                            << "/words\n"
                            << work << "\n";
     fs::permissions(program, fs::perms::owner_all);
-    return {"", program.string(), "/etc/ninedot/ninedot.toml", "camera.yaml", (folder_ / "made").string(), true,
-            "", R"({"pan":1})"};
+    return {"", "/etc/ninedot/ninedot.toml", "camera.yaml", (folder_ / "made").string(), true, "", R"({"pan":1})"};
   }
+  std::string program() const { return (folder_ / "ninedot").string(); }
 
-  static std::string until(CalibrationDesk& desk, const std::string& words) {
+  static std::string until(DeskAndJob& desk, const std::string& words) {
     const auto give_up_at = std::chrono::steady_clock::now() + 20s;
     for (;;) {
       std::string json = desk.state_json();
@@ -77,7 +92,7 @@ constexpr const char* kGathers = R"(echo '{"state":"gathering","views":3}')";
 constexpr const char* kFinishes = R"(echo '{"state":"done","file":"x"}')";
 
 TEST_F(CalibrationDeskTest, SaysWhatTheChildSaysAndThatItIsDone) {
-  CalibrationDesk desk(options(std::string(kGathers) + "\nsleep 0.3\n" + kFinishes), request_);
+  DeskAndJob desk(options(std::string(kGathers) + "\nsleep 0.3\n" + kFinishes), program(), request_);
   expect_part(desk.state_json(), R"("phase":"idle","number":0,"name":"","why":"","news":null)");
   const DeskReply reply = desk.reply_to("start camera");
   EXPECT_EQ(reply.status, 200U) << reply.text;
@@ -91,7 +106,7 @@ TEST_F(CalibrationDeskTest, SaysWhatTheChildSaysAndThatItIsDone) {
 }
 
 TEST_F(CalibrationDeskTest, HasOneChildAtATime) {
-  CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"), request_);
+  DeskAndJob desk(options(std::string(kGathers) + "\nexec sleep 60"), program(), request_);
   EXPECT_EQ(desk.reply_to("start camera").status, 200U);
   EXPECT_EQ(desk.reply_to("start camera").status, 409U);
   until(desk, "gathering");
@@ -100,7 +115,7 @@ TEST_F(CalibrationDeskTest, HasOneChildAtATime) {
 }
 
 TEST_F(CalibrationDeskTest, CancelsAndKeepsNothing) {
-  CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"), request_);
+  DeskAndJob desk(options(std::string(kGathers) + "\nexec sleep 60"), program(), request_);
   EXPECT_EQ(desk.reply_to("cancel").status, 409U) << "nothing is under way";
   EXPECT_EQ(desk.reply_to("finish").status, 409U);
   desk.reply_to("start camera");
@@ -113,9 +128,9 @@ TEST_F(CalibrationDeskTest, CancelsAndKeepsNothing) {
 }
 
 TEST_F(CalibrationDeskTest, FinishesEarlyAsCtrlCDoes) {
-  CalibrationDesk desk(options(std::string("trap '") + R"(echo "{\"state\":\"done\"}"; exit 0)" + "' INT\n" + kGathers +
-                               "\nwhile :; do sleep 0.05; done"),
-                       request_);
+  DeskAndJob desk(options(std::string("trap '") + R"(echo "{\"state\":\"done\"}"; exit 0)" + "' INT\n" + kGathers +
+                          "\nwhile :; do sleep 0.05; done"),
+                  program(), request_);
   desk.reply_to("start camera");
   until(desk, "gathering");
   EXPECT_EQ(desk.reply_to("finish").status, 200U);
@@ -123,7 +138,7 @@ TEST_F(CalibrationDeskTest, FinishesEarlyAsCtrlCDoes) {
 }
 
 TEST_F(CalibrationDeskTest, EndsTheChildThatNoPageAsksFor) {
-  CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"), request_, 300ms);
+  DeskAndJob desk(options(std::string(kGathers) + "\nexec sleep 60"), program(), request_, 300ms);
   desk.reply_to("start camera");
   until(desk, "gathering");
   std::this_thread::sleep_for(1s);
@@ -136,7 +151,7 @@ TEST_F(CalibrationDeskTest, EndsTheChildThatNoPageAsksFor) {
 TEST_F(CalibrationDeskTest, TakesTheChildAlongWhenItEnds) {
   const auto begun = std::chrono::steady_clock::now();
   {
-    CalibrationDesk desk(options(std::string(kGathers) + "\nexec sleep 60"), request_);
+    DeskAndJob desk(options(std::string(kGathers) + "\nexec sleep 60"), program(), request_);
     desk.reply_to("start camera");
     until(desk, "gathering");
   }
@@ -145,30 +160,28 @@ TEST_F(CalibrationDeskTest, TakesTheChildAlongWhenItEnds) {
 }
 
 TEST_F(CalibrationDeskTest, SaysWhyNothingCameOfIt) {
-  CalibrationDesk refused(options(R"(echo '{"state":"failed","why":"no tap"}'; exit 1)"), request_);
+  DeskAndJob refused(options(R"(echo '{"state":"failed","why":"no tap"}'; exit 1)"), program(), request_);
   refused.reply_to("start camera");
   expect_part(until(refused, R"("phase":"failed")"), R"("why":"","news":{"state":"failed","why":"no tap"})");
-  CalibrationDesk silent(options("exit 3"), request_);
+  DeskAndJob silent(options("exit 3"), program(), request_);
   std::this_thread::sleep_for(1100ms);  // names are seconds
   silent.reply_to("start camera");
   expect_part(until(silent, R"("phase":"failed")"), "ended with status 3");
-  CalibrationDesk killed(options("kill -9 $$"), request_);
+  DeskAndJob killed(options("kill -9 $$"), program(), request_);
   std::this_thread::sleep_for(1100ms);
   killed.reply_to("start camera");
   expect_part(until(killed, R"("phase":"failed")"), "by signal 9");
-  CalibrationDeskOptions absent = options("");
-  absent.program = (folder_ / "none").string();
   std::this_thread::sleep_for(1100ms);
-  const DeskReply reply = CalibrationDesk(absent, request_).reply_to("start camera");
+  const DeskReply reply = DeskAndJob(options(""), (folder_ / "none").string(), request_).reply_to("start camera");
   EXPECT_EQ(reply.status, 500U);
   expect_part(reply.text, "can't be started");
 }
 
 TEST_F(CalibrationDeskTest, IsNotImpressedByWhatIsNoLineOfNews) {
-  CalibrationDesk desk(options(std::string(kGathers) +
-                               "\necho nonsense\necho '{\"state\":\"cut'\nhead -c 300000 /dev/zero | tr '\\0' x\necho "
-                               "'}'\nprintf '{\"state\":\"done\"'\n"),
-                       request_);
+  DeskAndJob desk(options(std::string(kGathers) +
+                          "\necho nonsense\necho '{\"state\":\"cut'\nhead -c 300000 /dev/zero | tr '\\0' x\necho "
+                          "'}'\nprintf '{\"state\":\"done\"'\n"),
+                  program(), request_);
   desk.reply_to("start camera");
   expect_part(until(desk, R"("phase":"failed")"), R"("news":{"state":"gathering","views":3})");
 }
@@ -178,7 +191,7 @@ TEST_F(CalibrationDeskTest, KeepsTheNewestThree) {
   for (const char* name : {"20200101-000000", "20200101-000001", "20200101-000002", "20200101-000003"})
     fs::create_directories(folder_ / "made" / name / "camera-views");
   fs::create_directories(folder_ / "made/somebody-elses");
-  CalibrationDesk desk(how, request_);
+  DeskAndJob desk(how, program(), request_);
   desk.reply_to("start camera");
   until(desk, R"("phase":"done")");
   EXPECT_FALSE(fs::exists(folder_ / "made/20200101-000001"));
@@ -188,7 +201,7 @@ TEST_F(CalibrationDeskTest, KeepsTheNewestThree) {
 }
 
 TEST_F(CalibrationDeskTest, KnowsItsOwnFilesAlone) {
-  const CalibrationDesk desk(options(""), request_);
+  const DeskAndJob desk(options(""), program(), request_);
   EXPECT_EQ(desk.file_of("20261123-121415/camera.yaml"), (folder_ / "made/20261123-121415/camera.yaml").string());
   EXPECT_EQ(desk.file_of("20261123-121415/camera.svg"), (folder_ / "made/20261123-121415/camera.svg").string());
   for (const char* path :
@@ -203,7 +216,7 @@ TEST_F(CalibrationDeskTest, HandsOverTheOneThatIsToBeUsed) {
   const std::string socket = (folder_ / "socket").string();
   ApplyRequest request(socket);
   CalibrationDeskOptions how = options(kFinishes);
-  CalibrationDesk desk(how, request);
+  DeskAndJob desk(how, program(), request);
   fs::create_directories(folder_ / "made/20261123-121415");
   std::ofstream(folder_ / "made/20261123-121415/camera.yaml") << "lens";
   EXPECT_EQ(desk.reply_to("use 20261123-121415").status, 403U) << "nobody listens";
@@ -219,14 +232,14 @@ TEST_F(CalibrationDeskTest, HandsOverTheOneThatIsToBeUsed) {
   while (request.json().find("running") != std::string::npos) std::this_thread::sleep_for(2ms);
   expect_part(request.json(), R"("state":"up")");
   how.has_token = false;
-  EXPECT_EQ(CalibrationDesk(how, request).reply_to("use 20261123-121415").status, 403U);
+  EXPECT_EQ(DeskAndJob(how, program(), request).reply_to("use 20261123-121415").status, 403U);
 }
 
 TEST_F(CalibrationDeskTest, CalibratesTheHeadAsWell) {
   const std::string socket = (folder_ / "socket").string();
   ApplyRequest request(socket);
   CalibrationDeskOptions how = options(R"(echo "[body]" > "${@:7:1}"; )" + std::string(kFinishes));
-  CalibrationDesk desk(how, request);
+  DeskAndJob desk(how, program(), request);
   expect_part(desk.state_json(), R"("head":{"why_not":"","limits":{"pan":1}},"of":"camera",)");
   EXPECT_EQ(desk.reply_to("start pan-tilt").status, 200U);
   const std::string done = until(desk, R"("phase":"done")");
@@ -239,7 +252,7 @@ TEST_F(CalibrationDeskTest, CalibratesTheHeadAsWell) {
   ASSERT_EQ(desk.reply_to("use " + name).status, 202U);
   EXPECT_EQ(applier.heard(), "head 7\n[body]\n");
   how.no_head = "no head here";
-  CalibrationDesk headless(how, request);
+  DeskAndJob headless(how, program(), request);
   expect_part(headless.state_json(), R"("head":{"why_not":"no head here")");
   EXPECT_EQ(headless.reply_to("start pan-tilt").status, 403U);
   EXPECT_EQ(made(), 1U);
@@ -247,25 +260,25 @@ TEST_F(CalibrationDeskTest, CalibratesTheHeadAsWell) {
 
 TEST_F(CalibrationDeskTest, UnderstandsItsWordsAndNothingWhereItMayNot) {
   CalibrationDeskOptions how = options(kFinishes);
-  CalibrationDesk desk(how, request_);
+  DeskAndJob desk(how, program(), request_);
   for (const char* text :
        {"", "start", "start camera ", "start pan-tilt --stops 25x25", "start camera --out /etc/passwd", "cancel\n"})
     EXPECT_EQ(desk.reply_to(text).status, 400U) << text;
   how.why_not = "no place";
-  CalibrationDesk closed(how, request_);
+  DeskAndJob closed(how, program(), request_);
   EXPECT_EQ(closed.reply_to("start camera").status, 403U);
   expect_part(closed.state_json(), R"({"why_not":"no place",)");
   EXPECT_EQ(made(), 0U);
   Config config;
-  expect_part(calibration_desk_options(config, "c", "p", true).why_not, "set `recordings` of [web]");
+  expect_part(calibration_desk_options(config, "c", true).why_not, "set `recordings` of [web]");
   config.web.recordings = "/var/lib/ninedot-web";
-  expect_part(calibration_desk_options(config, "c", "p", false).why_not, "set `token_file` of [web]");
-  EXPECT_EQ(calibration_desk_options(config, "c", "p", true).why_not, "");
-  expect_part(calibration_desk_options(config, "c", "p", true).no_head, "set `driver` of [pan_tilt]");
+  expect_part(calibration_desk_options(config, "c", false).why_not, "set `token_file` of [web]");
+  EXPECT_EQ(calibration_desk_options(config, "c", true).why_not, "");
+  expect_part(calibration_desk_options(config, "c", true).no_head, "set `driver` of [pan_tilt]");
   config.pan_tilt.driver = "simulated", config.modbus_tcp.enabled = config.modbus.allow_writes = true;
   config.pan_tilt.pan.min_deg = -40.5;
-  EXPECT_EQ(calibration_desk_options(config, "c", "p", true).no_head, "");
-  expect_part(calibration_desk_options(config, "c", "p", true).limits, R"({"pan":{"min":-40.5,"max":)");
+  EXPECT_EQ(calibration_desk_options(config, "c", true).no_head, "");
+  expect_part(calibration_desk_options(config, "c", true).limits, R"({"pan":{"min":-40.5,"max":)");
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ if [[ ${1:-} == pictures ]]; then
   node --test --test-name-pattern "is shown" configuration_test.mjs
   node --test --test-name-pattern "is shown" calibrate_test.mjs
   node --test --test-name-pattern "is shown" calibrate_head_test.mjs
+  node --test --test-name-pattern "is shown" map_test.mjs
   made=${NINEDOT_WEB_PICTURES:-${NINEDOT_BIN_DIR:-../../build/release/bin}/../web}
   cp "$made/live-light-desktop.png" ../../docs/page-live.png
   cp "$made/live-nothing.png" ../../docs/page-live-nothing.png
@@ -38,6 +39,7 @@ if [[ ${1:-} == pictures ]]; then
   cp "$made/health-light-desktop.png" ../../docs/page-health.png
   cp "$made/registers-dark-desktop.png" ../../docs/page-registers.png
   cp "$made/map-light-desktop.png" ../../docs/page-map.png
+  cp "$made/map-build-light-desktop.png" ../../docs/page-map-build.png
   cp "$made/aim-light-desktop.png" ../../docs/page-aim.png
   cp "$made/recordings-light-desktop.png" ../../docs/page-recordings.png
   cp "$made/ar-dark-desktop.png" ../../docs/page-ar.png
@@ -51,6 +53,7 @@ node --test recordings_test.mjs
 node --test configuration_test.mjs
 node --test calibrate_test.mjs
 node --test calibrate_head_test.mjs
+node --test map_test.mjs
 if [[ -d ../../programs/web/ar/node_modules ]]; then
   node --test ar_test.mjs
 else

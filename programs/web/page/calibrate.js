@@ -3,11 +3,11 @@
 import { Applying } from "./applying.js";
 import { Asking } from "./asking.js";
 import { HeadPart } from "./calibrate_head.js";
-import { PATH, download, placing } from "./calibrate_use.js";
 import { element, fixed, setText, tellVerdict } from "./dom.js";
-import { authorised } from "./feed.js";
 import { drawCoverage, drawHolding } from "./holding.js";
+import { MAP_FIRST, download, drawMade, placing } from "./made.js";
 
+const PATH = "/api/calibrate";
 const ASK_EVERY_MS = 250;
 const ASK_AT_REST_MS = 1500;
 // What became of the newest picture: kind, words.
@@ -49,7 +49,7 @@ export class CalibrateView {
     this.going = element("section", { hidden: true }, element("h2", {}, "Views in each part of the picture"), this.coverage, this.progress, this.wanted, this.lacks);
     this.result = element("section.card.result", { id: "calibrate-result", hidden: true });
     this.applying = new Applying("calibrate-applying", { ended: () => this.asking.ask() });
-    this.head = new HeadPart((text) => this.order(text), this.applying);
+    this.head = new HeadPart(PATH, (text) => this.order(text), this.applying);
     main.append(element("h1", {}, "Calibrate"), element("div.live", {},
       element("section.card.stage", {}, this.canvas, element("div.tools", {}, element("span.mark-ghost", {}, "hold it here"), element("span.mark-sheet", {}, "the sheet now"))),
       element("div.wizards", {}, this.note, element("section.card.wizard", {}, element("h2", {}, "The camera"), this.verdict, this.looked, element("div.tools", {}, this.startButton, this.finishButton, this.cancelButton), this.going), this.head.card)),
@@ -62,7 +62,7 @@ export class CalibrateView {
     this.asking.end();
     this.applying.end();
     this.picture?.close();
-    if (this.url) URL.revokeObjectURL(this.url);
+    this.forgetDrawing?.();
   }
 
   async order(text) {
@@ -89,6 +89,7 @@ export class CalibrateView {
     setText(this.looked, "");
     if (state.why_not) this.say("none", "Only to look at", state.why_not);
     else if (isRunning) this.tellRunning(news);
+    else if (state.phase === "running" && state.of === "map") this.say(...MAP_FIRST);
     else if (phase === "done") this.say("good", "Calibrated", "What came of it stands below.");
     else this.say(ENDS[phase][0], ENDS[phase][1], phase === "failed" ? state.why || news?.why || "" : ENDS[phase][2]);
     this.tellResult(phase === "done" ? state : null);
@@ -134,15 +135,12 @@ export class CalibrateView {
       element("table.facts", {}, fact("lens model", news.model), fact("focal length", `${news.focal_px.map((px) => fixed(px, 2)).join(", ")} px`), fact("centre", `${news.centre_px.map((px) => fixed(px, 2)).join(", ")} px`),
         fact("views", String(news.views)), fact("outlines are off by", `${fixed(news.outlines_px, 3)} px`)),
       ...(news.wish ? [element("p.warn", {}, news.wish)] : []),
-      element("div.tools", {}, element("button", { type: "button", id: "calibrate-download", onclick: () => download(name, "camera.yaml") }, "Download camera.yaml")),
+      element("div.tools", {}, element("button", { type: "button", id: "calibrate-download", onclick: () => download(PATH, name, "camera.yaml") }, "Download camera.yaml")),
       element("h2", {}, "Use this"),
-      ...placing(state, { id: "calibrate", file: "camera.yaml", option: "--calibration", applying: this.applying, question: `Use calibration ${name}?`,
+      ...placing(state, { path: PATH, id: "calibrate", file: "camera.yaml", option: "--calibration", applying: this.applying, question: `Use calibration ${name}?`,
         where: state.calibration ? `In the place of ${state.calibration}, which is kept beside it.` : `As camera.yaml beside ${state.config}, with a line in that which names it.` }));
-    const response = await authorised(`${PATH}/${name}/camera.svg`).catch(() => null);
-    if (!response?.ok || !this.asking.isAlive || this.shownResult !== name) return;
-    if (this.url) URL.revokeObjectURL(this.url);
-    this.url = URL.createObjectURL(await response.blob());
-    drawing.src = this.url;
+    this.forgetDrawing?.();
+    this.forgetDrawing = await drawMade(PATH, name, "camera.svg", drawing, () => this.asking.isAlive && this.shownResult === name);
   }
 
   async update(message) {

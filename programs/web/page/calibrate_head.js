@@ -1,6 +1,6 @@
 // The wizard of `ninedot calibrate pan-tilt`: what the head is about to do, where it has been, and what came of it.
-import { download, placing } from "./calibrate_use.js";
 import { element, fixed, setText, tellVerdict } from "./dom.js";
+import { MAP_FIRST, download, placing } from "./made.js";
 import { drawReach } from "./reach.js";
 
 const ENDS = {
@@ -22,9 +22,9 @@ function partOf({ part, stops, planned, inhibited, seen }) {
 }
 
 export class HeadPart {
-  // order: hands a text to the desk; applying: of the view
-  constructor(order, applying) {
-    Object.assign(this, { applying, stops: [] });
+  // path: of the desk; order: hands it a text; applying: of the view
+  constructor(path, order, applying) {
+    Object.assign(this, { path, applying, stops: [] });
     const button = (id, text, title, onclick) => element("button", { type: "button", id, title, disabled: true, onclick }, text);
     this.verdict = element("div.verdict.none", { id: "head-state", role: "status" });
     this.startButton = button("head-start", "Start ...", "The head moves by itself", () => this.dialog.showModal());
@@ -56,6 +56,7 @@ export class HeadPart {
     setText(this.moves, `Within pan ${range(head.limits.pan)} and tilt ${range(head.limits.tilt)}, for one to three minutes. It looks for a landmark, finds out how far it can turn with one in sight, and stops some 60 times within that. Meanwhile it does not follow; Cancel stops it.`);
     if (whyNot) this.say("none", "Only to look at", whyNot);
     else if (isRunning) this.tellRunning(state);
+    else if (state.phase === "running" && state.of === "map") this.say(...MAP_FIRST);
     else this.say(...ENDS[phase].slice(0, 2), phase === "failed" ? state.why || news?.why || "" : ENDS[phase][2]);
     this.tellResult(phase === "done" ? state : null);
   }
@@ -90,9 +91,9 @@ export class HeadPart {
       element("p", {}, `Where a landmark is seen is foretold to ${fixed(news.foretold_deg, 2)}°, at stops that played no part in it; with the configuration as it was to ${fixed(news.before_deg, 2)}°. Most of what is left is play.`),
       element("table.facts", {}, element("tr", {}, ...["", "told", "turned", "play", "spread"].map((title) => element("th", {}, title))), axisRow("pan", news.pan), axisRow("tilt", news.tilt)),
       element("ul.lacks", {}, ...news.lines.filter((line) => !/^(pan|tilt|directions)/.test(line)).map((line) => element("li", {}, line))),
-      element("div.tools", {}, element("button", { type: "button", id: "head-download", onclick: () => download(name, "head.toml") }, "Download head.toml")),
+      element("div.tools", {}, element("button", { type: "button", id: "head-download", onclick: () => download(this.path, name, "head.toml") }, "Download head.toml")),
       element("h2", {}, "Use this"),
-      ...placing(state, { id: "head", file: "head.toml", option: "--head", applying: this.applying, question: `Use calibration ${name} of the head?`,
+      ...placing(state, { path: this.path, id: "head", file: "head.toml", option: "--head", applying: this.applying, question: `Use calibration ${name} of the head?`,
         where: `Its numbers take the place of those in [body], [pan_tilt.pan] and [pan_tilt.tilt] of ${state.config}, which is kept beside it.` }));
   }
 }

@@ -1,5 +1,6 @@
 // From above: where the landmarks hang, where the camera is, how sure that is, and where it came from.
 import { element, fixed, setText } from "./dom.js";
+import { MapBuild } from "./map_build.js";
 import { colour, fitted, niceStep } from "./plot.js";
 import { rotationOf, times } from "./projection.js";
 
@@ -17,7 +18,13 @@ export class MapView {
     main.append(element("h1", {}, "Map, from above"), this.text, element("section.card.map", {}, this.canvas),
       this.sightings = element("section.card", { id: "sightings", hidden: true }),
       element("p.soft", {}, "Ellipse: 2-sigma along the world's axes. Path: the last minute. A landmark's tick: where it faces; a dashed line: it is in sight. The arrow: the camera, and where it looks; the square: the robot, where [body] says that the camera sits elsewhere on it."));
+    this.build = new MapBuild();
+    main.append(...this.build.nodes);
     this.bounds = null;
+  }
+
+  leave() {
+    this.build.leave();
   }
 
   update(message) {

@@ -4,12 +4,12 @@ import { duration, element, saveAs, setText, tellVerdict } from "./dom.js";
 import { authorised } from "./feed.js";
 import { Replay } from "./replay.js";
 
-const PATH = "/api/recordings";
+export const PATH = "/api/recordings";
 const ASK_EVERY_MS = 1000;
 // To make sure of a second click, not of a double one.
 const SURE_MS = 5000;
 const megabytes = (bytes) => `${(bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0)} MB`;
-const seconds = (ms) => (ms < 120000 ? `${(ms / 1000).toFixed(ms < 10000 ? 1 : 0)} s` : duration(ms));
+export const seconds = (ms) => (ms < 120000 ? `${(ms / 1000).toFixed(ms < 10000 ? 1 : 0)} s` : duration(ms));
 
 // "20261123-121415-asked": by the sensor's clock, told in the browser's time.
 export function beginOf(name) {

@@ -1,20 +1,25 @@
 #pragma once
-/// A new calibration of the camera: where it goes, and a file for it while it is on trial.
+/// A new file in the place of one that the configuration names, a calibration of the camera or a map: where it goes,
+/// and a file for it while it is on trial.
+#include <cstdint>
 #include <string>
 #include <string_view>
 
 namespace ninedot {
 
-struct CalibrationPlace {
+enum class NamedFile : std::uint8_t { kCalibration, kMap };
+
+struct FilePlace {
   std::string path;         ///< the file that it is to become
   std::string config_text;  ///< the configuration that names it; empty: the one that there is does
 };
 
-/// The file that the configuration names; where it names none, camera.yaml beside it, and a line that names that.
+/// The file that the configuration names; where it names none, camera.yaml or map.toml beside it, and a line that names
+/// that. Of a map it takes the place of the [[landmarks]] as well.
 /// \param config_text  of the file `config_path`
 /// Throws StartupError(kWrongUsage): the configuration can't be read, there is no such file, or one is beside it that
 /// it does not name. Memory: the text twice. Threads: one.
-CalibrationPlace place_for_calibration(const std::string& config_text, const std::string& config_path);
+FilePlace place_for(NamedFile file, const std::string& config_text, const std::string& config_path);
 
 /// A file where the service's user may read it, which goes with this object unless it is kept.
 /// Threads: one; waits for the disk.

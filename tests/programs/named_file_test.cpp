@@ -1,4 +1,4 @@
-#include "programs/commands/new_calibration.h"
+#include "programs/commands/named_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -17,21 +17,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class NewCalibration : public testing::Test {
+class ANamedFile : public testing::Test {
  protected:
-  NewCalibration() {
+  ANamedFile() {
     std::string pattern = (fs::temp_directory_path() / "ninedot-test-XXXXXX").string();
     if (::mkdtemp(pattern.data()) == nullptr) std::abort();
     folder_ = pattern;
     config_ = (folder_ / "ninedot.toml").string();
     beside_ = (folder_ / "camera.yaml").string();
   }
-  ~NewCalibration() override { fs::remove_all(folder_); }
+  ~ANamedFile() override { fs::remove_all(folder_); }
 
   static void write(const fs::path& file, std::string_view text) { std::ofstream(file) << text; }
   std::string refusal_of(const std::string& text) const {
     try {
-      place_for_calibration(text, config_);
+      place_for(NamedFile::kCalibration, text, config_);
     } catch (const StartupError& error) {
       EXPECT_EQ(error.status, ExitStatus::kWrongUsage);
       return error.what();
@@ -44,28 +44,29 @@ class NewCalibration : public testing::Test {
   std::string config_, beside_;
 };
 
-TEST_F(NewCalibration, GoesWhereTheConfigurationHasIt) {
+TEST_F(ANamedFile, GoesWhereTheConfigurationHasIt) {
   fs::create_directory(folder_ / "lenses");
   write(folder_ / "lenses/wide.yaml", "old");
-  const CalibrationPlace place =
-      place_for_calibration("[camera]\nsource = \"v4l2\"\ncalibration = \"lenses/wide.yaml\"\n", config_);
+  const FilePlace place =
+      place_for(NamedFile::kCalibration, "[camera]\nsource = \"v4l2\"\ncalibration = \"lenses/wide.yaml\"\n", config_);
   EXPECT_EQ(place.path, (folder_ / "lenses/wide.yaml").string());
   EXPECT_EQ(place.config_text, "");
 }
 
-TEST_F(NewCalibration, IsNamedWhereNoneWasAndNothingElseIsTouched) {
-  const CalibrationPlace place =
-      place_for_calibration("# a sensor\n\n [camera]   # the left one\nsource = \"v4l2\"\n[track]\n", config_);
+TEST_F(ANamedFile, IsNamedWhereNoneWasAndNothingElseIsTouched) {
+  const FilePlace place = place_for(NamedFile::kCalibration,
+                                    "# a sensor\n\n [camera]   # the left one\nsource = \"v4l2\"\n[track]\n", config_);
   EXPECT_EQ(place.path, beside_);
   EXPECT_EQ(place.config_text,
             "# a sensor\n\n [camera]   # the left one\ncalibration = \"camera.yaml\"\nsource = \"v4l2\"\n[track]\n");
-  EXPECT_EQ(place_for_calibration("[camera]", config_).config_text, "[camera]\ncalibration = \"camera.yaml\"");
+  EXPECT_EQ(place_for(NamedFile::kCalibration, "[camera]", config_).config_text,
+            "[camera]\ncalibration = \"camera.yaml\"");
   const std::string in_a_string = "[web]\ncertificate = '''\n[camera]\n'''\n";
-  EXPECT_EQ(place_for_calibration(in_a_string, config_).config_text,
+  EXPECT_EQ(place_for(NamedFile::kCalibration, in_a_string, config_).config_text,
             in_a_string + "\n[camera]\ncalibration = \"camera.yaml\"\n");
 }
 
-TEST_F(NewCalibration, IsNotPutWhereSomethingIsOrWhereNobodyKnows) {
+TEST_F(ANamedFile, IsNotPutWhereSomethingIsOrWhereNobodyKnows) {
   EXPECT_NE(refusal_of("[camera]\ncalibration = \"gone.yaml\"\n").find("gone.yaml"), std::string::npos);
   EXPECT_NE(refusal_of("camera.source = \"v4l2\"\n").find("give [camera] a line of its own"), std::string::npos);
   EXPECT_NE(refusal_of("[camera\n").find("ninedot.toml:"), std::string::npos);
@@ -76,7 +77,25 @@ TEST_F(NewCalibration, IsNotPutWhereSomethingIsOrWhereNobodyKnows) {
   EXPECT_NE(refusal_of("[camera]\n").find("does not name it"), std::string::npos);
 }
 
-TEST_F(NewCalibration, HasTheRightsOfItsModelAndGoesUnlessItIsKept) {
+TEST_F(ANamedFile, MayBeAMapWhichTakesThePlaceOfTheLandmarks) {
+  const std::string landmarks = "[camera]\n[[landmarks]]\nid = 1\ncode = \"KRGBKKRB\"\n";
+  const FilePlace first = place_for(NamedFile::kMap, landmarks, config_);
+  EXPECT_EQ(first.path, (folder_ / "map.toml").string());
+  EXPECT_EQ(first.config_text, "map = \"map.toml\"\n[camera]\n");
+  write(folder_ / "map.toml", "of somebody");
+  try {
+    place_for(NamedFile::kMap, landmarks, config_);
+    ADD_FAILURE() << "nobody knows whose that is";
+  } catch (const StartupError& error) {
+    EXPECT_NE(std::string(error.what()).find("write `map = \"map.toml\"` at its top"), std::string::npos);
+  }
+  write(folder_ / "hall.toml", "[[landmarks]]\nid = 1\n");
+  const FilePlace next = place_for(NamedFile::kMap, "map = \"hall.toml\"\n[camera]\n", config_);
+  EXPECT_EQ(next.path, (folder_ / "hall.toml").string());
+  EXPECT_EQ(next.config_text, "");
+}
+
+TEST_F(ANamedFile, HasTheRightsOfItsModelAndGoesUnlessItIsKept) {
   write(config_, "");
   fs::permissions(config_, fs::perms(0640));
   {

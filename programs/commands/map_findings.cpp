@@ -1,0 +1,103 @@
+#include "programs/commands/map_findings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <ranges>
+#include <utility>
+
+#include "base/units.h"
+
+namespace ninedot {
+namespace {
+
+/// More than these few pictures of one landmark are counted, not named.
+constexpr std::size_t kNamedFrames = 5;
+
+const char* plural(std::size_t count) { return count == 1 ? "picture" : "pictures"; }
+
+void add_disagreeing(const BuiltMap& map, std::span<const std::string> recordings, std::vector<std::string>& lines) {
+  std::map<std::pair<std::uint16_t, std::size_t>, std::vector<std::uint64_t>> disagreeing;
+  for (const DisagreeingSighting& sighting : map.disagreeing)
+    disagreeing[{sighting.id, sighting.recording}].push_back(sighting.frame);
+  for (const auto& [where, frames] : disagreeing) {
+    const std::vector<std::uint64_t> named(
+        frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(std::min(frames.size(), kNamedFrames)));
+    lines.push_back(fmt::format("landmark {} disagrees with the rest in {} {} of {} ({}{}) and was left out there",
+                                where.first, frames.size(), plural(frames.size()), recordings[where.second],
+                                fmt::join(named, ", "), named.size() < frames.size() ? ", ..." : ""));
+  }
+}
+
+void add_unplaced(const BuiltMap& map, const MapStart& start, const SeenLandmarks& seen,
+                  std::vector<std::string>& lines) {
+  for (const std::uint16_t id : map.unseen)
+    if (!start.is_added(id))
+      lines.push_back(fmt::format("landmark {} is not placed: no picture shows it{}", id,
+                                  seen.pictures.contains(id) ? " beside another one" : ""));
+    else if (seen.pictures.contains(id))
+      lines.push_back(
+          fmt::format("landmark {}, which the configuration does not have, may be there: no picture shows "
+                      "it beside another one",
+                      id));
+  for (const std::vector<std::uint16_t>& island : map.islands)
+    lines.push_back(
+        fmt::format("not placed: {}: take two pictures at least that show one of them beside one that is placed",
+                    fmt::join(island, ", ")));
+}
+
+}  // namespace
+
+std::string why_no_map(const SeenLandmarks& seen, const MapStart& start) {
+  if (seen.pictures.empty())
+    return "no landmark could be placed: no picture shows one of the configuration's; are these its codes, and is the "
+           "picture sharp, and in colour?";
+  if (seen.together.empty())
+    return fmt::format(
+        "no landmark could be placed: no picture shows two landmarks together, seen one at a time: {}; record so that "
+        "each is in a picture with a neighbour",
+        fmt::join(std::views::keys(seen.pictures), ", "));
+  const auto is_given = [&](std::uint16_t id) { return start.is_given(id); };
+  if (std::ranges::none_of(seen.together, is_given))
+    return fmt::format(
+        "no landmark could be placed: no two pictures show landmark {} beside another one; together are seen: {}",
+        start.origin(), fmt::join(seen.together, ", "));
+  return fmt::format("no landmark could be placed: no two pictures show landmark {} beside another one",
+                     start.origin());
+}
+
+std::vector<std::string> map_findings(const BuiltMap& map, const MapStart& start, const SeenLandmarks& seen,
+                                      std::span<const std::string> recordings) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < recordings.size(); ++i)
+    if (seen.joining[i] == 0)
+      lines.push_back(fmt::format("{}: no picture shows two landmarks together: it adds nothing", recordings[i]));
+  add_disagreeing(map, recordings, lines);
+  for (const std::uint16_t id : map.disagreeing_surveys)
+    lines.push_back(fmt::format("landmark {}: the pictures contradict its surveyed place, which was not used", id));
+  add_unplaced(map, start, seen, lines);
+  if (map.variance_factor > 1.5)
+    lines.push_back(
+        fmt::format("the sightings spread {:.1f} times as widely as they say, and sigmas were enlarged by "
+                    "that: is it the right calibration, and were the sheets flat and still?",
+                    std::sqrt(map.variance_factor)));
+  return lines;
+}
+
+std::string map_summary(const BuiltMap& map, const MapStart& start) {
+  return fmt::format("{} of {} landmarks placed, from {} sightings in {} pictures", map.placed.size(),
+                     landmarks_of_map(map, start).size(), map.sightings, map.frames);
+}
+
+std::string map_wish(const BuiltMap& map) {
+  if (!map.weakest) return {};
+  return fmt::format("a picture that shows {} and {} together would help most: they are certain to {:.2g} mm",
+                     map.weakest->a, map.weakest->b, map.weakest->sigma_m / kMetresPerMm);
+}
+
+}  // namespace ninedot
