@@ -21,13 +21,14 @@ std::string placed_json(const BuiltMap& map, const MapStart& start) {
   for (std::size_t i = 0; i < map.placed.size(); ++i) {
     const MappedLandmark& one = map.placed[i];
     const Eigen::Vector3d mm = one.T_world_landmark.translation_m / kMetresPerMm;
+    const Eigen::Quaterniond q = one.T_world_landmark.quaternion();
     const Eigen::Vector3d sigma_mm = one.covariance.diagonal().head<3>().cwiseSqrt() / kMetresPerMm;
     const double sigma_deg = std::sqrt(one.covariance.diagonal().tail<3>().maxCoeff()) * kDegPerRad;
     const char* const how = start.is_exact(one.id) ? "given" : start.is_given(one.id) ? "joined" : "found";
     json += fmt::format(
-        R"({}{{"id":{},"mm":[{:.2f},{:.2f},{:.2f}],"sigma_mm":[{:.3g},{:.3g},{:.3g}],"sigma_deg":{:.3g},"sightings":{},"how":"{}","new":{}}})",
-        json.empty() ? "" : ",", one.id, mm.x(), mm.y(), mm.z(), sigma_mm.x(), sigma_mm.y(), sigma_mm.z(), sigma_deg,
-        map.sighting_counts[i], how, start.is_added(one.id));
+        R"({}{{"id":{},"mm":[{:.2f},{:.2f},{:.2f}],"q":[{:.5f},{:.5f},{:.5f},{:.5f}],"sigma_mm":[{:.3g},{:.3g},{:.3g}],"sigma_deg":{:.3g},"sightings":{},"how":"{}","new":{}}})",
+        json.empty() ? "" : ",", one.id, mm.x(), mm.y(), mm.z(), q.w(), q.x(), q.y(), q.z(), sigma_mm.x(), sigma_mm.y(),
+        sigma_mm.z(), sigma_deg, map.sighting_counts[i], how, start.is_added(one.id));
   }
   return json;
 }

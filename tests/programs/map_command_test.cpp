@@ -308,8 +308,10 @@ TEST_F(MapCommandLine, TellsAnotherProgramHowItFares) {
       << news;
   const std::string last = news.substr(news.rfind('\n', news.size() - 2) + 1);
   EXPECT_TRUE(last.starts_with(R"({"state":"done","summary":"3 of 3 landmarks placed, from )")) << last;
-  EXPECT_NE(last.find(R"("placed":[{"id":1,"mm":[0.00,0.00,0.00],"sigma_mm":[0,0,0],"sigma_deg":0,"sightings":)"),
-            std::string::npos)
+  EXPECT_NE(
+      last.find(
+          R"("placed":[{"id":1,"mm":[0.00,0.00,0.00],"q":[1.00000,0.00000,0.00000,0.00000],"sigma_mm":[0,0,0],"sigma_deg":0,"sightings":)"),
+      std::string::npos)
       << last;
   EXPECT_NE(last.find(R"("how":"found","new":false}],"lines":[],)"), std::string::npos) << last;
   testing::internal::CaptureStdout();

@@ -11,7 +11,7 @@ export const SHEETS = [
   { id: 4, code: "RKBGGKRB", mm: [1750, -50, 1300], heading: 12 },
 ];
 // At its beginning the first sheet is in the picture alone.
-const WALK = [[0, -900, 1250, -90], [1.5, -900, 1250, -90], [7, 1100, 1300, -95], [9, 2100, 1150, -100], [12, 1200, 1500, -84], [16, 200, 1200, -92]]
+const WALK = [[0, -300, 1250, -90], [1.5, -300, 1250, -90], [7, 1100, 1300, -95], [9, 2100, 1150, -100], [12, 1200, 1500, -84], [16, 200, 1200, -92]]
   .map(([t, x, y, heading]) => `[[simulation.robot]]\nt_s = ${t}\nx_mm = ${x}\ny_mm = ${y}\nz_mm = 1250\nheading_deg = ${heading}\n`).join("");
 const WALK_S = 16;
 const LENS = path.join(SOURCE, "tests/recordings/approach/camera.yaml");

@@ -4,8 +4,9 @@ import { Applying } from "./applying.js";
 import { Asking } from "./asking.js";
 import { HeadPart } from "./calibrate_head.js";
 import { element, fixed, setText, tellVerdict } from "./dom.js";
+import { authorised } from "./feed.js";
 import { drawCoverage, drawHolding } from "./holding.js";
-import { MAP_FIRST, download, drawMade, placing } from "./made.js";
+import { MAP_FIRST, download, placing } from "./made.js";
 
 const PATH = "/api/calibrate";
 const ASK_EVERY_MS = 250;
@@ -62,7 +63,7 @@ export class CalibrateView {
     this.asking.end();
     this.applying.end();
     this.picture?.close();
-    this.forgetDrawing?.();
+    if (this.url) URL.revokeObjectURL(this.url);
   }
 
   async order(text) {
@@ -139,8 +140,11 @@ export class CalibrateView {
       element("h2", {}, "Use this"),
       ...placing(state, { path: PATH, id: "calibrate", file: "camera.yaml", option: "--calibration", applying: this.applying, question: `Use calibration ${name}?`,
         where: state.calibration ? `In the place of ${state.calibration}, which is kept beside it.` : `As camera.yaml beside ${state.config}, with a line in that which names it.` }));
-    this.forgetDrawing?.();
-    this.forgetDrawing = await drawMade(PATH, name, "camera.svg", drawing, () => this.asking.isAlive && this.shownResult === name);
+    const response = await authorised(`${PATH}/${name}/camera.svg`).catch(() => null);
+    if (!response?.ok || !this.asking.isAlive || this.shownResult !== name) return;
+    if (this.url) URL.revokeObjectURL(this.url);
+    this.url = URL.createObjectURL(await response.blob());
+    drawing.src = this.url;
   }
 
   async update(message) {

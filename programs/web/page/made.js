@@ -22,13 +22,3 @@ export function placing({ use, folder, config, name }, { path, id, file, option,
   return [words, element("p.soft", {}, `Not from here: ${use}. On the sensor, as root:`),
     element("pre.commands", { id: `${id}-commands` }, `ninedot apply ${option} ${folder}/${name}/${file} --config ${config}`)];
 }
-
-// The picture of it into an <img>, which carries no token. Returns what gives the memory back.
-export async function drawMade(path, name, file, image, isWanted) {
-  const response = await authorised(`${path}/${name}/${file}`).catch(() => null);
-  const blob = response?.ok ? await response.blob() : null;
-  if (!blob || !isWanted()) return () => {};
-  const url = URL.createObjectURL(blob);
-  image.src = url;
-  return () => URL.revokeObjectURL(url);
-}

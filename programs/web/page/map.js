@@ -1,11 +1,9 @@
 // From above: where the landmarks hang, where the camera is, how sure that is, and where it came from.
 import { element, fixed, setText } from "./dom.js";
 import { MapBuild } from "./map_build.js";
-import { colour, fitted, niceStep } from "./plot.js";
+import { Plan } from "./plan.js";
+import { colour } from "./plot.js";
 import { rotationOf, times } from "./projection.js";
-
-// Of the plan, beyond what there is to see, on each side.
-const MARGIN = 0.12;
 
 const sightingOf = (landmark, frame) => frame?.landmarks.find((one) => one.id === landmark.id);
 const inkOf = (seen) => colour(!seen ? "--soft" : seen.reason ? "--warn" : "--good");
@@ -13,14 +11,14 @@ const inkOf = (seen) => colour(!seen ? "--soft" : seen.reason ? "--warn" : "--go
 export class MapView {
   constructor(main, shared) {
     this.shared = shared;
-    this.canvas = element("canvas", { id: "plan", role: "img", "aria-label": "plan of the world from above" });
+    const canvas = element("canvas", { id: "plan", role: "img", "aria-label": "plan of the world from above" });
     this.text = element("p.soft", { id: "place", role: "status" });
-    main.append(element("h1", {}, "Map, from above"), this.text, element("section.card.map", {}, this.canvas),
+    main.append(element("h1", {}, "Map, from above"), this.text, element("section.card.map", {}, canvas),
       this.sightings = element("section.card", { id: "sightings", hidden: true }),
       element("p.soft", {}, "Ellipse: 2-sigma along the world's axes. Path: the last minute. A landmark's tick: where it faces; a dashed line: it is in sight. The arrow: the camera, and where it looks; the square: the robot, where [body] says that the camera sits elsewhere on it."));
     this.build = new MapBuild();
     main.append(...this.build.nodes);
-    this.bounds = null;
+    this.plan = new Plan(canvas);
   }
 
   leave() {
@@ -32,6 +30,7 @@ export class MapView {
     const points = this.shared.history.points.filter((p) => p.valid);
     const frame = message.frame;
     this.draw(points, frame);
+    this.build.draw();
     this.listSightings(frame?.landmarks ?? []);
     if (!frame?.has_pose) return setText(this.text, "No pose yet.");
     const [x, y, z] = frame.in_world.mm;
@@ -52,61 +51,15 @@ export class MapView {
     this.sightings.replaceChildren(element("h2", {}, "In sight"), element("table.facts", {}, head, ...rows));
   }
 
-  // Grows with what is shown; shrinks only when most of it is empty, so that the plan does not breathe.
-  fit(places) {
-    const wanted = [0, 1].map((i) => [Math.min(...places.map((p) => p[i])), Math.max(...places.map((p) => p[i]))]);
-    const size = Math.max(1000, wanted[0][1] - wanted[0][0], wanted[1][1] - wanted[1][0]);
-    const inside = this.bounds && wanted.every(([low, high], i) => low >= this.bounds[i][0] && high <= this.bounds[i][1]);
-    if (inside && size > 0.5 * this.size) return;
-    this.size = size * (1 + 2 * MARGIN);
-    this.bounds = wanted.map(([low, high]) => [(low + high - this.size) / 2, (low + high + this.size) / 2]);
-  }
-
   draw(points, frame) {
-    const { context, width, height } = fitted(this.canvas);
+    const { plan } = this;
     const landmarks = this.shared.map;
-    const places = [...landmarks.map((l) => l.mm), ...points.map((p) => p.mm), ...(frame?.has_pose ? [frame.in_world.mm] : [])];
-    if (!places.length) places.push([0, 0, 0]);
-    this.fit(places);
-    const scale = Math.min(width, height) / this.size;
-    const centre = this.bounds.map(([low, high]) => (low + high) / 2);
-    const at = ([x, y]) => [width / 2 + (x - centre[0]) * scale, height / 2 - (y - centre[1]) * scale];
-    this.drawGrid(context, width, height, scale, centre, at);
+    plan.begin([...landmarks.map((l) => l.mm), ...points.map((p) => p.mm), ...(frame?.has_pose ? [frame.in_world.mm] : [])]);
+    const { context, at } = plan;
     this.drawPath(context, points, at);
     if (frame?.valid) this.drawSightings(context, frame, landmarks, at);
-    for (const landmark of landmarks) this.drawLandmark(context, landmark, frame, at);
-    if (frame?.has_pose) this.drawCamera(context, frame, at, scale);
-  }
-
-  drawGrid(context, width, height, scale, centre, at) {
-    const step = niceStep(width / scale, 8);
-    context.lineWidth = 1;
-    context.strokeStyle = colour("--line");
-    context.fillStyle = colour("--soft");
-    const range = (middle, pixels) => {
-      const half = pixels / scale / 2;
-      const list = [];
-      for (let v = Math.ceil((middle - half) / step) * step; v < middle + half; v += step) list.push(v);
-      return list;
-    };
-    context.beginPath();
-    for (const x of range(centre[0], width)) {
-      const [px] = at([x, 0]);
-      context.moveTo(Math.round(px) + 0.5, 0);
-      context.lineTo(Math.round(px) + 0.5, height);
-      context.textAlign = "center";
-      if (px > 60) context.fillText(`${(x / 1000).toFixed(step < 1000 ? 1 : 0)}`, px, height - 6);
-    }
-    for (const y of range(centre[1], height)) {
-      const [, py] = at([0, y]);
-      context.moveTo(0, Math.round(py) + 0.5);
-      context.lineTo(width, Math.round(py) + 0.5);
-      context.textAlign = "left";
-      if (py < height - 24) context.fillText(`${(y / 1000).toFixed(step < 1000 ? 1 : 0)}`, 6, py - 4);
-    }
-    context.stroke();
-    context.textAlign = "right";
-    context.fillText("x to the right, y up, in m", width - 8, 16);
+    for (const landmark of landmarks) plan.landmark(landmark, inkOf(sightingOf(landmark, frame)));
+    if (frame?.has_pose) this.drawCamera(context, frame, at);
   }
 
   drawPath(context, points, at) {
@@ -139,28 +92,6 @@ export class MapView {
     context.setLineDash([]);
   }
 
-  drawLandmark(context, landmark, frame, at) {
-    const seen = sightingOf(landmark, frame);
-    const heading = (landmark.heading_deg * Math.PI) / 180;
-    const facing = landmark.q ? times(rotationOf(landmark.q), [0, 1, 0]) : [-Math.sin(heading), Math.cos(heading)];
-    const [x, y] = at(landmark.mm);
-    context.strokeStyle = context.fillStyle = inkOf(seen);
-    context.lineWidth = 5;
-    context.beginPath();
-    context.moveTo(x + 12 * facing[1], y + 12 * facing[0]);
-    context.lineTo(x - 12 * facing[1], y - 12 * facing[0]);
-    context.stroke();
-    context.lineWidth = 2;
-    context.beginPath();
-    context.moveTo(x, y);
-    context.lineTo(x + 16 * facing[0], y - 16 * facing[1]);
-    context.stroke();
-    context.textAlign = "center";
-    context.font = "600 14px system-ui, sans-serif";
-    context.fillText(String(landmark.id), x - 24 * facing[0], y + 24 * facing[1] + 5);
-    context.font = "12px system-ui, sans-serif";
-  }
-
   // The body's origin and its x, forward.
   drawBody(context, frame, at) {
     const { mm, q } = frame.body;
@@ -180,19 +111,15 @@ export class MapView {
     context.restore();
   }
 
-  drawCamera(context, frame, at, scale) {
+  drawCamera(context, frame, at) {
     this.drawBody(context, frame, at);
     const pose = frame.in_world;
     const [x, y] = at(pose.mm);
     const ahead = times(rotationOf(pose.q), [0, 0, 1]);
     const angle = Math.atan2(-ahead[1], ahead[0]);
     const ink = frame.valid ? "--accent" : "--soft";
+    this.plan.ellipse(pose.mm, pose.sigma_mm.slice(0, 2).map((sigma) => 2 * sigma), colour(ink));
     context.fillStyle = context.strokeStyle = colour(ink);
-    context.globalAlpha = 0.25;
-    context.beginPath();
-    context.ellipse(x, y, Math.max(2, 2 * pose.sigma_mm[0] * scale), Math.max(2, 2 * pose.sigma_mm[1] * scale), 0, 0, 2 * Math.PI);
-    context.fill();
-    context.globalAlpha = 1;
     context.save();
     context.translate(x, y);
     context.rotate(angle);

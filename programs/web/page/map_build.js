@@ -2,7 +2,9 @@
 import { Applying } from "./applying.js";
 import { Asking } from "./asking.js";
 import { element, fixed, setText, tellVerdict } from "./dom.js";
-import { download, drawMade, placing } from "./made.js";
+import { download, placing } from "./made.js";
+import { Plan } from "./plan.js";
+import { colour } from "./plot.js";
 import { PATH as RECORDINGS, beginOf, seconds } from "./recordings.js";
 
 const PATH = "/api/map/build";
@@ -14,6 +16,8 @@ const ENDS = {
   cancelled: ["none", "Cancelled", "Nothing is kept of it."],
   done: ["good", "Built", "What came of it stands below."],
 };
+// Radius of the largest ellipse.
+const MOST_PX = 60;
 const HOW = { given: "given", joined: "measured, and fitted", found: "found" };
 const listOf = (landmarks) => landmarks.map(({ id }) => id).join(", ");
 
@@ -38,14 +42,14 @@ export class MapBuild {
     this.empty = element("p.soft", { hidden: true }, "Nothing has been recorded yet: ", element("a", { href: "#recordings" }, "Recordings"), " starts one.");
     this.origin = element("select", { id: "map-origin" });
     this.originId = element("input", { id: "map-origin-id", type: "number", min: 1, max: 160, value: 1 });
-    this.originLine = element("label", {}, "Given is", this.origin);
-    this.originIdLine = element("label", { hidden: true }, "Its place becomes 0, 0, 0: the sheet with id", this.originId);
+    this.originLine = element("label", {}, "What stays where it is", this.origin);
+    this.originIdLine = element("label", { hidden: true }, "The sheet that becomes 0, 0, 0: its id", this.originId);
     this.isNew = element("input", { id: "map-new", type: "checkbox" });
     this.startButton = button("map-start", "Build the map", "The service goes on meanwhile", () => this.start());
     this.cancelButton = button("map-cancel", "Cancel", "Ends it and keeps nothing", () => this.order("cancel"));
     this.progress = element("progress", { id: "map-progress", max: 1, value: 0, "aria-label": "how far it is", hidden: true });
     this.fields = element("div.controls", {}, element("fieldset.recorded", {}, element("legend", {}, "From these recordings"), this.empty, this.list), this.originLine, this.originIdLine,
-      element("label.check-line", {}, this.isNew, "Sheets of `ninedot pattern --id` that the configuration does not have join the map"));
+      element("label.check-line", {}, this.isNew, element("span", {}, "Sheets of ", element("code", {}, "ninedot pattern --id"), " that the configuration does not have join the map")));
     this.card = element("section.card.wizard", { id: "map-build" }, element("h2", {}, "Build it from recordings"), this.verdict, this.progress, this.note, this.fields,
       element("div.tools", {}, this.startButton, this.cancelButton));
     this.result = element("section.card.result", { id: "map-result", hidden: true });
@@ -58,7 +62,6 @@ export class MapBuild {
 
   leave() {
     for (const one of [this.asking, this.shelf, this.applying]) one.end();
-    this.forgetDrawing?.();
   }
 
   async order(text) {
@@ -148,28 +151,44 @@ export class MapBuild {
     this.say("none", look === 1 ? "Looking for landmarks" : "Looking again, where they must be", `picture ${frame} of ${frames}${recordings > 1 ? `, recording ${recording} of ${recordings}` : ""}`);
   }
 
-  async tellResult(state) {
+  tellResult(state) {
     const name = state?.name ?? "";
     if (name === this.shownResult) return;
     this.shownResult = name;
     this.result.hidden = !state;
     if (!state) return;
     const { news, map, config } = state;
-    const drawing = element("img", { id: "map-drawing", alt: "the landmarks from above, with their uncertainties" });
+    const canvas = element("canvas", { id: "map-drawing", role: "img", "aria-label": "the landmarks from above, with their uncertainties" });
+    const enlarged = element("p.soft", {});
     const row = ({ id, mm, sigma_mm: sigma, sigma_deg: sigmaDeg, sightings, how, new: isNew }) => element("tr", {}, element("th", {}, String(id)),
-      ...mm.map((value) => element("td.n", {}, fixed(value, 1))), element("td.n", {}, how === "given" ? "–" : fixed(Math.max(...sigma), 1)), element("td.n", {}, how === "given" ? "–" : fixed(sigmaDeg, 2)),
+      ...mm.map((value) => element("td.n", {}, fixed(Math.round(10 * value) / 10 || 0, 1))), element("td.n", {}, how === "given" ? "–" : fixed(Math.max(...sigma), 1)), element("td.n", {}, how === "given" ? "–" : fixed(sigmaDeg, 2)),
       element("td.n", {}, String(sightings)), element("td", {}, isNew ? `${HOW[how]}, new` : HOW[how]));
     const header = ["id", "x", "y", "z", "± mm", "± °", "pictures", ""].map((title, i) => element(i > 0 && i < 7 ? "th.n" : "th", {}, title));
-    this.result.replaceChildren(element("h2", {}, `Map ${name}`), element("p", {}, `${news.summary}.`), drawing,
+    this.result.replaceChildren(element("h2", {}, `Map ${name}`), element("p", {}, `${news.summary}.`), canvas, enlarged,
       element("div.scroll", {}, element("table.facts", { id: "map-placed" }, element("tr", {}, ...header), ...news.placed.map(row))),
       element("p.soft", {}, "Places in mm; ±: 1-sigma of the least certain direction, beside what is given."),
       ...(news.lines.length ? [element("ul.lacks.warn", { id: "map-lines" }, ...news.lines.map((line) => element("li", {}, this.inWords(line))))] : []),
       ...(news.wish ? [element("p.soft", { id: "map-wish" }, `To make it better: ${news.wish}.`)] : []),
-      element("div.tools", {}, element("button", { type: "button", id: "map-download", onclick: () => download(PATH, name, "map.toml") }, "Download map.toml")),
+      element("div.tools", {}, ...["map.toml", "plan.svg"].map((file) => element("button", { type: "button", id: `download-${file.replace(".", "-")}`, onclick: () => download(PATH, name, file) }, `Download ${file}`))),
       element("h2", {}, "Use this"),
       ...placing(state, { path: PATH, id: "map", file: "map.toml", option: "--map", applying: this.applying, question: `Use map ${name}?`,
         where: `${map ? `In the place of ${map}, which is kept beside it` : `As map.toml beside ${config}, with a line in that which names it, in the place of its [[landmarks]]`}. Until then the service goes by the map that it has.` }));
-    this.forgetDrawing?.();
-    this.forgetDrawing = await drawMade(PATH, name, "plan.svg", drawing, () => this.asking.isAlive && this.shownResult === name);
+    this.drawn = { plan: new Plan(canvas), placed: news.placed, enlarged };
+    this.draw();
+  }
+
+  // The view's own size and theme: drawn anew with each message, as its plan is.
+  draw() {
+    if (!this.drawn || this.result.hidden) return;
+    const { plan, placed, enlarged } = this.drawn;
+    plan.begin(placed.map(({ mm }) => mm));
+    // As large as they may be without hiding each other.
+    const widest = Math.max(...placed.flatMap(({ sigma_mm: sigma }) => sigma.slice(0, 2))) * plan.scale;
+    const times = widest > 0 ? Math.min(1000, 10 ** Math.max(0, Math.floor(Math.log10(MOST_PX / widest)))) : 1;
+    for (const one of placed) {
+      if (one.how !== "given") plan.ellipse(one.mm, one.sigma_mm.slice(0, 2).map((sigma) => sigma * times), colour("--accent"));
+      plan.landmark(one, colour(one.how === "found" ? "--ink" : "--good"));
+    }
+    setText(enlarged, `Green: given. Ellipses: 1-sigma along x and y${times > 1 ? `, ${times} times as large` : ""}.`);
   }
 }
