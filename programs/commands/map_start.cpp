@@ -20,6 +20,9 @@ namespace {
 
 /// What fewer pictures show of the dictionary's may be a code that was misread once.
 constexpr std::size_t kPicturesOfOneThatIsThere = 3;
+/// Beside so many codes the colours of a small sheet seldom tell whose they are to a percent. For a first look it is
+/// enough to know which may be there; among those the second one decides, as strictly as ever. [1]
+constexpr double kOddsOfACandidate = 0.3;
 
 [[noreturn]] void refuse(const std::string& what) { throw StartupError(ExitStatus::kWrongUsage, what); }
 
@@ -52,8 +55,8 @@ std::vector<std::uint16_t> add_dictionary(Config& config) {
     landmark.code = code;
     added.push_back(static_cast<std::uint16_t>(id));
   }
-  // The only one that serves several.
-  config.pose.solver = "full";
+  config.pose.solver = "full";  // the only one that serves several
+  config.pose.max_ambiguity = std::max(config.pose.max_ambiguity, kOddsOfACandidate);
   return added;
 }
 
@@ -123,7 +126,7 @@ SeenLandmarks seen_in(std::span<const RecordedSightings> frames, std::size_t rec
 
 MapStart map_start(const Config& config, const std::string& config_path, const std::vector<std::string>& origins,
                    bool with_dictionary) {
-  MapStart start{config, {}, {}, {}};
+  MapStart start{config, {}, {}, {}, config.pose.max_ambiguity};
   if (with_dictionary) start.added = add_dictionary(start.config);
   if (start.config.landmarks.size() < 2)
     refuse(
@@ -148,6 +151,7 @@ MapStart map_start(const Config& config, const std::string& config_path, const s
 
 MapStart second_start(const MapStart& first, const BuiltMap& map, const SeenLandmarks& seen) {
   MapStart second = first;
+  second.config.pose.max_ambiguity = first.max_ambiguity;
   const auto is_gone = [&](int id) {
     const auto pictures = seen.pictures.find(static_cast<std::uint16_t>(id));
     return first.is_added(static_cast<std::uint16_t>(id)) && !first.is_exact(static_cast<std::uint16_t>(id)) &&

@@ -20,6 +20,7 @@ struct MapStart {
   LandmarkMap known;                 ///< those, with the places that count alone
   std::vector<std::uint16_t> exact;  ///< ids, as MapBuilderOptions has them [1]
   std::vector<std::uint16_t> added;  ///< ids of the dictionary's that the configuration does not have, by id [1]
+  double max_ambiguity = 0;          ///< of the configuration, for the second look [1]
 
   bool is_exact(std::uint16_t id) const noexcept;
   bool is_added(std::uint16_t id) const noexcept;
