@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <ranges>
 #include <utility>
 
 #include "base/units.h"
@@ -57,11 +56,14 @@ std::string why_no_map(const SeenLandmarks& seen, const MapStart& start) {
   if (seen.pictures.empty())
     return "no landmark could be placed: no picture shows one of the configuration's; are these its codes, and is the "
            "picture sharp, and in colour?";
-  if (seen.together.empty())
+  if (seen.together.empty()) {
+    std::vector<std::uint16_t> ids;
+    for (const auto& [id, pictures] : seen.pictures) ids.push_back(id);
     return fmt::format(
         "no landmark could be placed: no picture shows two landmarks together, seen one at a time: {}; record so that "
         "each is in a picture with a neighbour",
-        fmt::join(std::views::keys(seen.pictures), ", "));
+        fmt::join(ids, ", "));
+  }
   const auto is_given = [&](std::uint16_t id) { return start.is_given(id); };
   if (std::ranges::none_of(seen.together, is_given))
     return fmt::format(

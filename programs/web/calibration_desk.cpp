@@ -63,7 +63,7 @@ DeskReply CalibrationDesk::start(bool of_head) {
                                 }}));
 }
 
-DeskReply CalibrationDesk::with_state(DeskReply reply) const {
+DeskReply CalibrationDesk::with_state(const DeskReply& reply) const {
   return reply.status == 200 ? DeskReply{200, state_json()} : reply;
 }
 

@@ -43,7 +43,7 @@ class CalibrationDesk {
  private:
   DeskReply start(bool of_head);
   DeskReply use(std::string_view name);
-  DeskReply with_state(DeskReply reply) const;
+  DeskReply with_state(const DeskReply& reply) const;
 
   const CalibrationDeskOptions options_;
   ChildJob& job_;

@@ -81,7 +81,7 @@ DeskReply MapDesk::use(std::string_view name) {
                       : request_.begin_with_file("map", file, options_.has_token);
 }
 
-DeskReply MapDesk::with_state(DeskReply reply) const {
+DeskReply MapDesk::with_state(const DeskReply& reply) const {
   return reply.status == 200 ? DeskReply{200, state_json()} : reply;
 }
 

@@ -44,7 +44,7 @@ class MapDesk {
  private:
   DeskReply start(std::string_view text);
   DeskReply use(std::string_view name);
-  DeskReply with_state(DeskReply reply) const;
+  DeskReply with_state(const DeskReply& reply) const;
 
   const MapDeskOptions options_;
   ChildJob& job_;

@@ -111,6 +111,7 @@ TEST(ConfigEdit, RefusesLandmarksThatCanNotBeTakenOut) {
       "its own, and its keys below it";
   EXPECT_EQ(refusal_of_map("landmarks = [{id = 1}, {id = 2}]\n"), said);
   EXPECT_EQ(refusal_of_map("landmarks = [1, 2]\n"), said);
+  EXPECT_EQ(refusal_of_map("[[landmarks]]\nid = 1\n[landmarks.more]\na = 1\n"), said) << "it would leave half of it";
   EXPECT_EQ(refusal_of_map("[[landmarks\n").substr(0, 15), "ninedot.toml:1:");
 }
 

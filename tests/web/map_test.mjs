@@ -207,7 +207,7 @@ test("the whole way: a map is built, is right, and is put in force; again, what 
 
   ({ page, close } = await open());
   await page.waitForFunction(() => !document.querySelector("#map-start").disabled && document.querySelector("#map-origin").value === "measured");
-  assert.equal(await page.locator("#map-origin option:checked").textContent(), "Landmark 1, where it was measured");
+  assert.equal(await page.locator("#map-origin option:checked").textContent(), "Landmark 1, as configured");
   await page.click("#map-start");
   await says(page, "Built|No map");
   const again = await state();

@@ -1,5 +1,5 @@
 #!/bin/bash
-# The page in headless Chromium, and hostile requests, against a running service: twelve minutes.
+# The page in headless Chromium, and hostile requests, against a running service: fourteen minutes.
 #   tests/web/run.sh [smoke|pictures]      pictures: build/release/web/
 # smoke: the part that ctest runs; pictures: those of docs/page.md, made anew. NINEDOT_BIN_DIR: where the programs are; default build/release/bin
 set -euo pipefail

@@ -26,9 +26,9 @@ function origins(landmarks) {
   const measured = landmarks.filter((one) => one.measured);
   const placed = landmarks.filter((one) => one.placed);
   return [
-    ...(measured.length ? [["measured", measured.length > 1 ? `What was measured keeps its place: ${listOf(measured)}` : `Landmark ${measured[0].id}, where it was measured`]] : []),
+    ...(measured.length ? [["measured", measured.length > 1 ? `What was measured: landmarks ${listOf(measured)}` : `Landmark ${measured[0].id}, as configured`]] : []),
     ...(placed.length > measured.length ? [["map", "The whole map as it is: what is new joins it"]] : []),
-    ...landmarks.filter((one) => measured.length !== 1 || !one.measured).map(({ id, placed: isPlaced }) => [String(id), `Landmark ${id}, ${isPlaced ? "where it is now" : "which becomes 0, 0, 0"}`]),
+    ...landmarks.filter((one) => measured.length !== 1 || !one.measured).map(({ id, placed: isPlaced }) => [String(id), `Landmark ${id} alone, ${isPlaced ? "as configured" : "at 0, 0, 0"}`]),
   ];
 }
 
