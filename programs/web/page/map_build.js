@@ -163,7 +163,7 @@ export class MapBuild {
     const row = ({ id, mm, sigma_mm: sigma, sigma_deg: sigmaDeg, sightings, how, new: isNew }) => element("tr", {}, element("th", {}, String(id)),
       ...mm.map((value) => element("td.n", {}, fixed(Math.round(10 * value) / 10 || 0, 1))), element("td.n", {}, how === "given" ? "–" : fixed(Math.max(...sigma), 1)), element("td.n", {}, how === "given" ? "–" : fixed(sigmaDeg, 2)),
       element("td.n", {}, String(sightings)), element("td", {}, isNew ? `${HOW[how]}, new` : HOW[how]));
-    const header = ["id", "x", "y", "z", "± mm", "± °", "pictures", ""].map((title, i) => element(i > 0 && i < 7 ? "th.n" : "th", {}, title));
+    const header = ["id", "x", "y", "z", "± mm", "± °", "seen", ""].map((title, i) => element(i > 0 && i < 7 ? "th.n" : "th", {}, title));
     this.result.replaceChildren(element("h2", {}, `Map ${name}`), element("p", {}, `${news.summary}.`), canvas, enlarged,
       element("div.scroll", {}, element("table.facts", { id: "map-placed" }, element("tr", {}, ...header), ...news.placed.map(row))),
       element("p.soft", {}, "Places in mm; ±: 1-sigma of the least certain direction, beside what is given."),
