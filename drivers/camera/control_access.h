@@ -9,9 +9,9 @@
 
 namespace ninedot {
 
-/// Threads: any. \param id  V4L2_CID_... [1]
+/// A value in the driver's own steps; nothing: there is no such control. Threads: any.
 std::optional<int> read_control(VideoKernel& kernel, int fd, std::uint32_t id) noexcept;
-/// Of controls of 64 bits, such as V4L2_CID_PIXEL_RATE, which the call for 32 bits refuses.
+/// Of controls of 64 bits, such as V4L2_CID_PIXEL_RATE, which the call for 32 bits refuses. \return  the driver's steps
 std::optional<std::int64_t> read_long_control(VideoKernel& kernel, int fd, std::uint32_t id) noexcept;
 
 class Controls {
@@ -21,8 +21,9 @@ class Controls {
 
   std::optional<v4l2_queryctrl> find(std::uint32_t id) const;
   bool has_choice(std::uint32_t id, int choice_index) const;
+  /// In the driver's own steps.
   std::optional<int> read(std::uint32_t id) const { return read_control(kernel_, fd_, id); }
-  /// \return  what the driver made of it. Throws CameraRefused.
+  /// In the driver's own steps. \return  what the driver made of it, in its steps. Throws CameraRefused.
   int write(const v4l2_queryctrl& known, int value, const char* what) const;
   [[noreturn]] void refuse(const std::string& what) const;
   [[noreturn]] void refuse_missing(const char* what, const char* key) const;
@@ -33,7 +34,7 @@ class Controls {
   const std::string& device_;
 };
 
-/// The nearest value that the control takes.
+/// \param value  in the driver's own steps \return  the nearest of the steps that the control takes
 int clamp_to(const v4l2_queryctrl& control, double value);
 
 /// Lists parts of a sentence.

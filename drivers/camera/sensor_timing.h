@@ -16,13 +16,14 @@ struct SensorTiming {
   int frame_lines = 0;       ///< lines of one frame, those blank included
 
   bool is_known() const noexcept { return pixel_rate_hz > 0 && line_px > 0 && frame_lines > 0; }
+  /// \param count  how many lines
   std::chrono::nanoseconds of_lines(double count) const noexcept {
     return std::chrono::nanoseconds(std::llround(1e9 * count * line_px / pixel_rate_hz));
   }
   /// From one line to the next: of a rolling shutter the rows' distance in time.
   std::chrono::nanoseconds line_time() const noexcept { return of_lines(1); }
   std::chrono::nanoseconds frame_period() const noexcept { return of_lines(frame_lines); }
-  /// Not rounded.
+  /// \return  how many lines, not rounded
   double lines_in(std::chrono::nanoseconds time) const noexcept {
     return 1e-9 * static_cast<double>(time.count()) * pixel_rate_hz / line_px;
   }

@@ -54,6 +54,8 @@ void run_check(const std::string& path, bool file_only) {
   if (refused.empty()) {
     fmt::print("{}: ok\n", path);
     print_summary(config, camera, findings.camera());
+  } else if (!findings.camera().empty()) {
+    fmt::print("  agreed    {}\n", findings.camera());
   }
   for (const std::string& line : note_lines(findings, path)) fmt::print("{}\n", line);
   if (!refused.empty()) throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}", fmt::join(refused, "\n")));

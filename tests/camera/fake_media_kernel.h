@@ -169,6 +169,8 @@ class FakeMediaKernel final : public VideoKernel {
   }
   void limit_exposure() {
     const int lines = height + values[V4L2_CID_VBLANK] - sensor.exposure_margin;
+    // The kernel refuses a range without its default in it, and ov9282.c, without power, says nothing of that.
+    if (sensor.exposure_max == 0 && lines < sensor.exposure) return;
     set_range(V4L2_CID_EXPOSURE, 1, sensor.exposure_max != 0 ? sensor.exposure_max : lines, sensor.exposure);
   }
   void select(const FakeSensor::Mode& mode) {

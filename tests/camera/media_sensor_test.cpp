@@ -113,11 +113,16 @@ TEST(MediaSensor, AnExposureLongerThanAFrameEndsWithItThoughTheDriversRangeDoesN
   ov.request.exposure = 40ms;
   ov.opened();
   EXPECT_EQ(ov.kernel.values[V4L2_CID_EXPOSURE], 1307 - 25) << "the driver's range follows the blanking";
+  Board fast = Board(fake_ov9281(), 640, 400, 300);
+  fast.request.exposure = 40ms;
+  fast.opened();
+  EXPECT_EQ(fast.kernel.values[V4L2_CID_EXPOSURE], 436) << "there it does not";
 }
 
 TEST(MediaSensor, BinnedAnImx296KeepsTheLineOfItsWholeWidth) {
   Board board(fake_imx296(), 728, 544, 100);
   board.opened();
+  EXPECT_EQ(board.kernel.done.front(), "crop 1456x1088 at 0,0") << "all of the view";
   // 10 ms / 14.8148 us = 675 lines
   EXPECT_EQ(board.kernel.values[V4L2_CID_VBLANK], 675 - 544);
 }
