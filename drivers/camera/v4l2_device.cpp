@@ -53,10 +53,15 @@ void V4l2Device::open() {
   try {
     open_node();
     agree_on_format();
+    // A sensor's nodes obey everybody, also while it runs: whoever has the video node's buffers may ask it something.
+    if (sensor_) {
+      map_buffers();
+      sensor_->set_path(*format_, request_.width_px, request_.height_px);
+    }
     const std::string rate_remark = agree_on_rate();
     const AppliedControls controls = set_controls();
     note(controls.now);
-    map_buffers();
+    if (!sensor_) map_buffers();
     start_streaming();
     // Some sensors look at a value only now that they have power, and cut it to what fits into a frame (imx296.c).
     if (sensor_) note(read_live());
@@ -125,7 +130,6 @@ void V4l2Device::agree_on_format() {
   if (offer == nullptr) refuse_with_offers();
   format_ = offer->known;
   if (format_->layout == PixelLayout::kBayer) check_bayer();
-  if (sensor_) sensor_->set_path(*format_, request_.width_px, request_.height_px);
 
   v4l2_format format{};
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;

@@ -309,7 +309,7 @@ TEST(MediaSensor, WhatTheChainRefusesIsSaidWithItsPart) {
   EXPECT_EQ(refusal([](Board& b) { b.request.pixel_format = "RGGB10"; }),
             "the camera has no RGGB10 1280x800; it offers GREY, Y10P, Y10 1280x800, 1280x720, 640x400");
   EXPECT_NE(refusal([](Board& b) {
-              b.kernel.video.change_format = [&b](v4l2_pix_format&) { b.kernel.at_receiver.width = 640; };
+              b.kernel.video.refusals[VIDIOC_STREAMON] = EPIPE;
             }).find("starting the stream: the formats along ov9281 10-0060 -> unicam -> "),
             std::string::npos);
   EXPECT_EQ(refusal([](Board& b) {
@@ -323,6 +323,19 @@ TEST(MediaSensor, WhatTheChainRefusesIsSaidWithItsPart) {
               b.request.exposure = 1ms;
             }).find("remove camera.exposure_us") != std::string::npos,
             true);
+}
+
+TEST(MediaSensor, IsLeftAloneWhileAnotherProgramHasItsPictures) {
+  for (const unsigned long claim : {VIDIOC_S_FMT, VIDIOC_REQBUFS}) {
+    Board board = ov9281(100);
+    board.request.exposure = 2ms;
+    board.kernel.sensor_link = 0;
+    board.kernel.video.refusals[claim] = EBUSY;
+    int error = 0;
+    EXPECT_NE(board.refusal(&error).find("/video0: busy: stop the program that uses it"), std::string::npos);
+    EXPECT_EQ(error, EBUSY);
+    EXPECT_EQ(board.kernel.done, Lines{}) << "`ninedot check` beside a running service must not change its camera";
+  }
 }
 
 TEST(MediaSensor, TellsItsLineTimeAndWhatSpeaksAgainstTheRowTime) {
