@@ -1,6 +1,5 @@
 """Sensors behind a media graph, on vimc: found by name, links, formats, exposure, gain and rate set through the sensor, and what breaks of it."""
 
-import math
 import re
 import statistics
 
@@ -8,6 +7,20 @@ from png_grey import parse_png_grey
 from registers import REASON_CAMERA_LOST
 from service import GuestService, camera_config, csv_rows
 from tracing import Trace, frames_of
+from vimc_facts import (
+    BARS,
+    CONTROLS,
+    EXPOSURE_US,
+    GAIN,
+    HEIGHT,
+    LINE_US,
+    LINES,
+    RATE_HZ,
+    WIDTH,
+    furthest_from_middle,
+    is_switched_on,
+    sensors_listed,
+)
 
 CHECKS = (
     "listed",
@@ -28,18 +41,9 @@ CHECKS = (
 )
 SMOKE_CHECKS = ()
 
-WIDTH, HEIGHT = 640, 480
 UNBIND, BIND = "/sys/bus/platform/drivers/vimc/unbind", "/sys/bus/platform/drivers/vimc/bind"
 LINK = "'\"Sensor B\":0 -> \"Raw Capture 1\":0 [{}]'"
-# Sensor B's lines, as vimc_sensor.sh makes them: 640 and 890 pixels at 200 MHz.
-LINE_US = 1530 / 200.0
-EXPOSURE_US, GAIN, RATE_HZ = 5000, 32, 20.0
-LINES = round(EXPOSURE_US / LINE_US)
-BLANK = round(1e6 / RATE_HZ / LINE_US) - HEIGHT
 ASKED = f"exposure_us = {EXPOSURE_US}\ngain = {GAIN}"
-CONTROLS = {"exposure": LINES, "analogue_gain": GAIN, "vertical_blanking": BLANK, "horizontal_blanking": 890}
-# The pattern's bars: white, yellow, cyan, green, magenta, red, blue, black at 191 of 255; their luma by docs/cameras.md.
-BARS = [255 * math.sqrt(191 / 255 * quarters / 4) for quarters in (4, 3, 3, 2, 2, 1, 1, 0)]
 
 
 class SensorsStage:
@@ -82,7 +86,7 @@ class SensorsStage:
 
     def listing(self):
         text = self.guest.check("ninedot cameras")
-        entries = dict(re.findall(r"^(sensor:[^\n]*?)  vimc, [^\n]*\n((?:  [^\n]*\n?)*)", text, re.M))
+        entries = sensors_listed(text)
         mono = entries.get("sensor:Sensor B", "")
         wanted = (
             'device = "sensor:Sensor B"',
@@ -109,12 +113,12 @@ class SensorsStage:
         parts = ("GREY 640x480, 20 Hz", "exposure 5003.1 us", f"gain {GAIN}", "Sensor B -> ", "line time 7.65 us")
         self.stage.ok("check", status == 0 and all(part in agreed for part in parts), f"`ninedot check` says: {agreed.strip()}")
         after = self.guest.check("media-ctl -p")
-        is_on = [re.search(r'-> "Raw Capture 1":0 \[(.*?)\]', graph) for graph in (before, after)]
+        is_on = [is_switched_on(graph) for graph in (before, after)]
         got = self.controls()
         self.stage.ok(
             "obeyed",
-            got == CONTROLS and "ENABLED" not in is_on[0][1] and "ENABLED" in is_on[1][1],
-            f"link [{is_on[0][1]}] then [{is_on[1][1]}]; the sensor has {got}",
+            got == CONTROLS and is_on == [False, True],
+            f"link on: {is_on[0]}, then {is_on[1]}; the sensor has {got}",
         )
 
     def as_the_kernel_has_it(self):
@@ -153,12 +157,11 @@ class SensorsStage:
         node = int(self.node("Raw Capture 1")[len("/dev/video") :])
         given = [frame.stamp_ns for frame in frames_of(self.trace.stop(), node)]
         stamps = [int(row["timestamp_ns"]) for row in csv_rows(self.guest.check("cat /tmp/out/frames.csv"))]
-        half_ns = LINES * LINE_US * 1000 / 2
-        off = [min((abs(stamp + half_ns - end) for end in given), default=1e9) for stamp in stamps]
+        off_ns = furthest_from_middle(stamps, given)
         self.stage.ok(
             "stamps",
-            len(stamps) == 20 and max(off) <= 1000,
-            f"{len(stamps)} frames lie half of the exposure, {half_ns / 1e6:.3f} ms, before the driver's stamp, to {max(off) / 1000:.1f} us",
+            len(stamps) == 20 and off_ns <= 1000,
+            f"{len(stamps)} frames lie half of the exposure, {LINES * LINE_US / 2:.1f} us, before the driver's stamp, to {off_ns / 1000:.1f} us",
         )
         apart_ms = statistics.median(b - a for a, b in zip(given, given[1:])) / 1e6
         self.record("sensor:Sensor B", 20, rate_hz=5.0)
@@ -237,7 +240,7 @@ class SensorsStage:
             graph = self.guest.check("media-ctl -p")
             self.stage.ok(
                 "link-broken",
-                got == CONTROLS and re.search(r'-> "Raw Capture 1":0 \[ENABLED\]', graph) is not None,
+                got == CONTROLS and is_switched_on(graph),
                 f"link off and controls changed before the start: on again, {got}",
             )
             before = service.read()
