@@ -216,7 +216,7 @@ class SensorsStage:
             f"""media-ctl -l {LINK.format(0)}
             media-ctl -l '"Debayer A":1 -> "Scaler":0 [0], "Sensor B":0 -> "Debayer B":0 [1], "Debayer B":1 -> "Scaler":0 [1]' || exit 1
             media-ctl -V '"Sensor B":0 {bayer}, "Debayer B":0 {bayer}' || exit 1
-            v4l2-ctl -d {self.node('RGB/YUV Capture')} --stream-mmap 3 > /dev/null 2> /tmp/other.log & echo $! > /tmp/other.pid
+            v4l2-ctl -d {self.node('RGB/YUV Capture')} -v width=640,height=480,pixelformat=RGB3 --stream-mmap 3 > /dev/null 2> /tmp/other.log & echo $! > /tmp/other.pid
             for _ in $(seq 100); do grep -q '<' /tmp/other.log && exit 0; sleep 0.1; done; cat /tmp/other.log; exit 1"""
         )
         status, text = self.check(device, pixel_format="RGGB")
