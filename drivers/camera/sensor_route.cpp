@@ -88,7 +88,8 @@ std::vector<SensorRoute> routes_from(const MediaGraph& graph, const MediaEntity&
     if ((link.flags & (MEDIA_LNK_FL_ENABLED | MEDIA_LNK_FL_IMMUTABLE)) != MEDIA_LNK_FL_IMMUTABLE)
       usable.push_back(link);
   // Of two ways of one length the one that is on.
-  std::ranges::stable_partition(usable, [](const MediaLink& link) { return (link.flags & MEDIA_LNK_FL_ENABLED) != 0; });
+  std::stable_partition(usable.begin(), usable.end(),
+                        [](const MediaLink& link) { return (link.flags & MEDIA_LNK_FL_ENABLED) != 0; });
 
   std::vector<SensorRoute> routes;
   std::map<std::uint32_t, std::vector<MediaLink>> way_to{{sensor.id, {}}};
