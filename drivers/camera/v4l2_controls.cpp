@@ -144,7 +144,7 @@ void set_focus(const Controls& controls, const CameraRequest& request, AppliedCo
 AppliedControls apply_controls(VideoKernel& kernel, int fd, const CameraRequest& request, const SensorTiming* sensor) {
   const Controls controls(kernel, fd, request.device);
   AppliedControls applied;
-  applied.now = read_live_controls(kernel, fd, sensor);
+  if (sensor != nullptr) applied.now = read_live_controls(kernel, fd, sensor);  // of a USB camera it takes its time
   set_power_line(controls, request.power_line, applied);
   if (const auto priority = controls.find(V4L2_CID_EXPOSURE_AUTO_PRIORITY))
     controls.write(*priority, request.lower_rate_in_the_dark ? 1 : 0, "exposure priority");

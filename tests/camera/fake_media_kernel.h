@@ -111,6 +111,7 @@ class FakeMediaKernel final : public VideoKernel {
   std::map<std::uint32_t, v4l2_queryctrl> controls;
   std::map<std::uint32_t, int> values;
   int open_nodes = 0;
+  int exposure_with_power = 0;  // what the driver cuts it to when it starts; 0: it does not
 
   int open(const char* path) noexcept override {
     const std::string name = std::filesystem::path(path).filename();
@@ -140,7 +141,7 @@ class FakeMediaKernel final : public VideoKernel {
     if (fd < kMediaFd) {
       // As unicam does: it starts only what fits.
       if (request == VIDIOC_STREAMON && !fits()) return -EPIPE;
-      if (request == VIDIOC_STREAMON) clamp_exposure();
+      if (request == VIDIOC_STREAMON && exposure_with_power != 0) values[V4L2_CID_EXPOSURE] = exposure_with_power;
       return video.ioctl(fd, request, argument);
     }
     if (const auto refused = refusals.find(request); refused != refusals.end()) return -refused->second;
@@ -148,17 +149,12 @@ class FakeMediaKernel final : public VideoKernel {
     if (fd == kEmbeddedFd) return answer_embedded(request, argument);
     return answer_subdevice(fd, request, argument);
   }
-  /// Pictures of another program's making: what the receiver got is not what the sensor gives.
+  /// Whether the receiver was told what the sensor gives.
   bool fits() const {
     return (sensor_link & MEDIA_LNK_FL_ENABLED) != 0 && at_receiver.code == code &&
            static_cast<int>(at_receiver.width) == width && static_cast<int>(at_receiver.height) == height;
   }
 
- private:
-  template <typename T>
-  static T& as(void* argument) {
-    return *static_cast<T*>(argument);
-  }
   void set_range(std::uint32_t id, int minimum, int maximum, int usual, std::uint32_t flags = 0) {
     v4l2_queryctrl& control = controls[id];
     control = {};
@@ -166,6 +162,12 @@ class FakeMediaKernel final : public VideoKernel {
     control.step = 1, control.type = V4L2_CTRL_TYPE_INTEGER, control.flags = flags;
     std::strcpy(reinterpret_cast<char*>(control.name), "A control");
     values[id] = std::clamp(values.contains(id) ? values[id] : usual, minimum, maximum);
+  }
+
+ private:
+  template <typename T>
+  static T& as(void* argument) {
+    return *static_cast<T*>(argument);
   }
   void limit_exposure() {
     const int lines = height + values[V4L2_CID_VBLANK] - sensor.exposure_margin;
@@ -181,9 +183,6 @@ class FakeMediaKernel final : public VideoKernel {
     set_range(V4L2_CID_VBLANK, mode.vblank_min, mode.vblank_max, mode.vblank_default);
     set_range(V4L2_CID_ANALOGUE_GAIN, sensor.gain_min, sensor.gain_max, sensor.gain);
     limit_exposure();
-  }
-  void clamp_exposure() {
-    values[V4L2_CID_EXPOSURE] = std::min(values[V4L2_CID_EXPOSURE], height + values[V4L2_CID_VBLANK]);
   }
 
   template <typename T>
@@ -344,7 +343,8 @@ class FakeMediaKernel final : public VideoKernel {
       const std::map<std::uint32_t, const char*> names{{V4L2_CID_HBLANK, "hblank"},
                                                        {V4L2_CID_VBLANK, "vblank"},
                                                        {V4L2_CID_EXPOSURE, "exposure"},
-                                                       {V4L2_CID_ANALOGUE_GAIN, "gain"}};
+                                                       {V4L2_CID_ANALOGUE_GAIN, "gain"},
+                                                       {V4L2_CID_EXPOSURE_AUTO, "automatic"}};
       done.push_back(fmt::format("{} {}", names.at(asked.id), asked.value));
       if (asked.id == V4L2_CID_VBLANK) limit_exposure();
     }

@@ -189,12 +189,34 @@ TEST(MediaSensor, TheMiddleOfTheExposureFollowsWhatTheSensorHas) {
   EXPECT_EQ(middle(stamp + 1us), stamp + 1us - 100 * 7650ns / 2);
 }
 
+TEST(MediaSensor, AnExposureThatTheDriverCutsWhenItStartsIsTheOneOfTheStamps) {
+  Board board = ov9281(100);
+  board.request.exposure = 2ms;
+  board.kernel.exposure_with_power = 200;
+  V4l2Device& device = board.opened();
+  const MonoTime stamp = std::chrono::floor<std::chrono::microseconds>(mono_now()) - 1ms;
+  board.kernel.video.deliver({.stamp = stamp});
+  const Result<GrabbedFrame> frame = device.grab(mono_now() + 1s);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->frame.exposed_at(), stamp - 200 * 7650ns / 2);
+}
+
 TEST(MediaSensor, WhatIsNotAskedForStaysAndIsSaid) {
   Board board = ov9281(72);
   board.opened();
   for (const std::string& line : board.kernel.done) EXPECT_EQ(line.find("exposure"), std::string::npos) << line;
   EXPECT_NE(board.device().description().find("exposure 4911.3 us as it was, gain 16 as it was"), std::string::npos)
       << board.device().description();
+}
+
+TEST(MediaSensor, AnAutomaticIsSwitchedOffBeforeAndNotAfter) {
+  Board board = ov9281(100);  // as ov5647.c has it
+  board.kernel.set_range(V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL, V4L2_EXPOSURE_AUTO);
+  board.request.exposure = 2ms;
+  board.opened();
+  const Lines& done = board.kernel.done;
+  const auto off = std::ranges::find(done, "automatic 1"), set = std::ranges::find(done, "exposure 261");
+  EXPECT_TRUE(off < set && set != done.end());
 }
 
 TEST(MediaSensor, GrabsWithoutTheHeap) {
