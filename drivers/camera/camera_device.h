@@ -25,7 +25,7 @@ enum class Focus {
 
 /// What is asked of a camera.
 struct CameraRequest {
-  std::string device;  ///< V4L2 path, or libcamera id or model
+  std::string device;  ///< V4L2 path or "sensor:NAME", or libcamera id or model
   int width_px = 640;
   int height_px = 480;
   double rate_hz = 35;                           ///< frames per second
@@ -44,6 +44,8 @@ struct CameraRequest {
   std::chrono::nanoseconds readout{0};  ///< see ShutterTiming::readout
   /// Frame::row_time of every frame: no driver tells it. 0 = global shutter, or unknown.
   std::chrono::nanoseconds row_time{0};
+  /// camera.row_time_us, to be held against what a sensor tells of its lines; no frame is changed by it.
+  std::chrono::nanoseconds expected_row_time{0};
 };
 
 /// Why a camera can't be opened: the line for the user, and the errno behind it (0 = none).

@@ -9,6 +9,8 @@
 #include <cstring>
 #include <optional>
 
+#include "drivers/camera/control_access.h"
+
 namespace ninedot {
 namespace {
 
@@ -17,74 +19,48 @@ constexpr std::chrono::microseconds kExposureUnit{100};
 /// A driver whose list never ends must not hang us.
 constexpr int kMaxControls = 256;
 
-std::optional<int> read_control(VideoKernel& kernel, int fd, std::uint32_t id) noexcept {
-  v4l2_control control{id, 0};
-  if (kernel.ioctl(fd, VIDIOC_G_CTRL, &control) < 0) return std::nullopt;
-  return control.value;
+double in_us(std::chrono::nanoseconds time) { return static_cast<double>(time.count()) / 1e3; }
+
+void add_exposure(std::chrono::nanoseconds got, std::chrono::nanoseconds asked, bool is_same, std::string& text) {
+  add_part(text, fmt::format("exposure {:.6g} us{}", in_us(got),
+                             is_same ? "" : fmt::format(" (asked {:.6g})", in_us(asked))));
 }
 
-class Controls {
- public:
-  Controls(VideoKernel& kernel, int fd, const std::string& device) : kernel_(kernel), fd_(fd), device_(device) {}
-
-  std::optional<v4l2_queryctrl> find(std::uint32_t id) const {
-    v4l2_queryctrl control{};
-    control.id = id;
-    if (kernel_.ioctl(fd_, VIDIOC_QUERYCTRL, &control) < 0 || (control.flags & V4L2_CTRL_FLAG_DISABLED) != 0)
-      return std::nullopt;
-    return control;
-  }
-  bool has_choice(std::uint32_t id, int choice) const {
-    v4l2_querymenu item{};
-    item.id = id;
-    item.index = static_cast<std::uint32_t>(choice);
-    return kernel_.ioctl(fd_, VIDIOC_QUERYMENU, &item) >= 0;
-  }
-  std::optional<int> read(std::uint32_t id) const { return read_control(kernel_, fd_, id); }
-  /// \return  what the driver made of it
-  int write(const v4l2_queryctrl& known, int value, const char* what) const {
-    v4l2_control control{known.id, value};
-    if (const int error = kernel_.ioctl(fd_, VIDIOC_S_CTRL, &control); error < 0)
-      throw CameraRefused(
-          fmt::format("{}: the camera refused {} = {} ({})", device_, what, value, std::strerror(-error)), -error);
-    return read(known.id).value_or(value);
-  }
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw CameraRefused(fmt::format("{}: {}", device_, what), 0);
-  }
-  [[noreturn]] void refuse_missing(const char* what, const char* key) const {
-    throw CameraRefused(fmt::format("{}: the camera has no control for the {}; remove camera.{}", device_, what, key),
-                        0);
-  }
-
- private:
-  VideoKernel& kernel_;
-  int fd_;
-  const std::string& device_;
-};
-
-int clamp_to(const v4l2_queryctrl& control, double value) {
-  return static_cast<int>(
-      std::clamp(std::round(value), static_cast<double>(control.minimum), static_cast<double>(control.maximum)));
+void switch_to_manual(const Controls& controls) {
+  if (const auto automatic = controls.find(V4L2_CID_EXPOSURE_AUTO))
+    controls.write(*automatic, V4L2_EXPOSURE_MANUAL, "manual exposure");
 }
-
-void add(std::string& text, const std::string& part) { text += (text.empty() ? "" : ", ") + part; }
 
 void set_manual_exposure(const Controls& controls, const CameraRequest& request, AppliedControls& applied) {
   const auto exposure = controls.find(V4L2_CID_EXPOSURE_ABSOLUTE);
   if (!exposure) controls.refuse_missing("exposure time", "exposure_us");
-  if (const auto automatic = controls.find(V4L2_CID_EXPOSURE_AUTO))
-    controls.write(*automatic, V4L2_EXPOSURE_MANUAL, "manual exposure");
+  switch_to_manual(controls);
   const int units = controls.write(
       *exposure, clamp_to(*exposure, std::chrono::duration<double>(request.exposure) / kExposureUnit), "exposure");
-  const double asked_us = std::chrono::duration<double, std::micro>(request.exposure).count();
-  const double got_us = std::chrono::duration<double, std::micro>(units * kExposureUnit).count();
-  add(applied.description,
-      fmt::format("exposure {:g} us{}", got_us, got_us == asked_us ? "" : fmt::format(" (asked {:g})", asked_us)));
+  const std::chrono::nanoseconds got = units * kExposureUnit;
+  add_exposure(got, request.exposure, got == request.exposure, applied.description);
 }
 
-void set_automatic_exposure(const Controls& controls, AppliedControls& applied) {
+/// In whole lines; within half of one it is what was asked for. The driver's range, which the blanking has just
+/// changed, may leave out that an exposure ends with its frame.
+void set_exposure_lines(const Controls& controls, const CameraRequest& request, const SensorTiming& sensor,
+                        AppliedControls& applied) {
+  const auto exposure = controls.find(V4L2_CID_EXPOSURE);
+  if (!exposure) controls.refuse_missing("exposure time", "exposure_us");
+  if (!sensor.is_known())
+    controls.refuse("the sensor does not tell its line time, in which its exposure counts; remove camera.exposure_us");
+  switch_to_manual(controls);
+  const double asked = std::min(sensor.lines_in(request.exposure), static_cast<double>(sensor.frame_lines));
+  const int lines = controls.write(*exposure, clamp_to(*exposure, asked), "exposure");
+  const auto got = sensor.of_lines(lines);
+  add_exposure(got, request.exposure, 2 * std::chrono::abs(got - request.exposure) <= sensor.line_time(),
+               applied.description);
+}
+
+void set_automatic_exposure(const Controls& controls, const SensorTiming* sensor, AppliedControls& applied) {
   const auto automatic = controls.find(V4L2_CID_EXPOSURE_AUTO);
+  if (!automatic && sensor != nullptr && applied.now.exposure.count() > 0)
+    add_part(applied.description, fmt::format("exposure {:.6g} us as it was", in_us(applied.now.exposure)));
   if (!automatic) return;
   // Webcams call it aperture priority: they have no iris, so the time is what is left to be automatic.
   for (const int choice : {V4L2_EXPOSURE_AUTO, V4L2_EXPOSURE_APERTURE_PRIORITY})
@@ -92,23 +68,27 @@ void set_automatic_exposure(const Controls& controls, AppliedControls& applied) 
       controls.write(*automatic, choice, "automatic exposure");
       break;
     }
-  add(applied.description, "exposure automatic");
+  add_part(applied.description, "exposure automatic");
 }
 
-void set_gain(const Controls& controls, const CameraRequest& request, AppliedControls& applied) {
+void set_gain(const Controls& controls, const CameraRequest& request, const SensorTiming* sensor,
+              AppliedControls& applied) {
   const auto automatic = controls.find(V4L2_CID_AUTOGAIN);
+  // A sensor may have a digital one as well, which makes noise brighter and nothing else.
+  auto gain = controls.find(sensor != nullptr ? V4L2_CID_ANALOGUE_GAIN : V4L2_CID_GAIN);
+  if (!gain) gain = controls.find(sensor != nullptr ? V4L2_CID_GAIN : V4L2_CID_ANALOGUE_GAIN);
   if (request.gain <= 0) {
     if (automatic) controls.write(*automatic, 1, "automatic gain");
+    if (!automatic && sensor != nullptr && gain)
+      add_part(applied.description, fmt::format("gain {} as it was", controls.read(gain->id).value_or(0)));
     return;
   }
-  auto gain = controls.find(V4L2_CID_GAIN);
-  if (!gain) gain = controls.find(V4L2_CID_ANALOGUE_GAIN);
   if (!gain) controls.refuse_missing("gain", "gain");
   if (automatic) controls.write(*automatic, 0, "manual gain");
   const int asked = clamp_to(*gain, request.gain);
   const int got = controls.write(*gain, asked, "gain");
-  add(applied.description,
-      fmt::format("gain {}{}", got, got == request.gain ? "" : fmt::format(" (asked {:g})", request.gain)));
+  add_part(applied.description,
+           fmt::format("gain {}{}", got, got == request.gain ? "" : fmt::format(" (asked {:g})", request.gain)));
 }
 
 void set_power_line(const Controls& controls, PowerLine power_line, AppliedControls& applied) {
@@ -121,7 +101,7 @@ void set_power_line(const Controls& controls, PowerLine power_line, AppliedContr
   if (power_line == PowerLine::k50Hz) value = V4L2_CID_POWER_LINE_FREQUENCY_50HZ, name = "50 Hz";
   if (power_line == PowerLine::k60Hz) value = V4L2_CID_POWER_LINE_FREQUENCY_60HZ, name = "60 Hz";
   controls.write(*control, value, "power-line frequency");
-  add(applied.description, fmt::format("flicker {}", name));
+  add_part(applied.description, fmt::format("flicker {}", name));
 }
 
 void set_fixed_focus(const Controls& controls, const CameraRequest& request, AppliedControls& applied) {
@@ -130,14 +110,14 @@ void set_fixed_focus(const Controls& controls, const CameraRequest& request, App
   if (!automatic && !position) controls.refuse_missing("focus", "focus");
   if (automatic && controls.write(*automatic, 0, "manual focus") != 0)
     controls.refuse("autofocus stays on although camera.focus is \"fixed\"; use another camera");
-  if (!position) return add(applied.description, "focus fixed");
+  if (!position) return add_part(applied.description, "focus fixed");
   if (!(request.focus_position >= position->minimum && request.focus_position <= position->maximum))
     controls.refuse(fmt::format("set camera.focus_position, from {} to {}; it is {} now", position->minimum,
                                 position->maximum, controls.read(position->id).value_or(position->default_value)));
   const int got = controls.write(*position, clamp_to(*position, request.focus_position), "focus");
-  add(applied.description,
-      fmt::format("focus {}{}", got,
-                  got == request.focus_position ? "" : fmt::format(" (asked {:g})", request.focus_position)));
+  add_part(applied.description,
+           fmt::format("focus {}{}", got,
+                       got == request.focus_position ? "" : fmt::format(" (asked {:g})", request.focus_position)));
 }
 
 /// A lens that focuses anew has another focal length and another middle than the calibrated ones.
@@ -156,30 +136,37 @@ void set_focus(const Controls& controls, const CameraRequest& request, AppliedCo
                              : ""));
   }
   if (request.focus == Focus::kAutomatic) controls.write(*automatic, 1, "automatic focus");
-  if (is_on) add(applied.description, "focus automatic");
+  if (is_on) add_part(applied.description, "focus automatic");
 }
 
 }  // namespace
 
-AppliedControls apply_controls(VideoKernel& kernel, int fd, const CameraRequest& request) {
+AppliedControls apply_controls(VideoKernel& kernel, int fd, const CameraRequest& request, const SensorTiming* sensor) {
   const Controls controls(kernel, fd, request.device);
   AppliedControls applied;
+  if (sensor != nullptr) applied.now = read_live_controls(kernel, fd, sensor);  // of a USB camera it takes its time
   set_power_line(controls, request.power_line, applied);
   if (const auto priority = controls.find(V4L2_CID_EXPOSURE_AUTO_PRIORITY))
     controls.write(*priority, request.lower_rate_in_the_dark ? 1 : 0, "exposure priority");
-  if (request.exposure.count() > 0)
-    set_manual_exposure(controls, request, applied);
+  if (request.exposure.count() == 0)
+    set_automatic_exposure(controls, sensor, applied);
+  else if (sensor != nullptr)
+    set_exposure_lines(controls, request, *sensor, applied);
   else
-    set_automatic_exposure(controls, applied);
-  set_gain(controls, request, applied);
+    set_manual_exposure(controls, request, applied);
+  set_gain(controls, request, sensor, applied);
   set_focus(controls, request, applied);
-  applied.now = read_live_controls(kernel, fd);
+  applied.now = read_live_controls(kernel, fd, sensor);
   return applied;
 }
 
-LiveControls read_live_controls(VideoKernel& kernel, int fd) noexcept {
+LiveControls read_live_controls(VideoKernel& kernel, int fd, const SensorTiming* sensor) noexcept {
   LiveControls now;
-  if (const auto units = read_control(kernel, fd, V4L2_CID_EXPOSURE_ABSOLUTE)) now.exposure = *units * kExposureUnit;
+  if (sensor == nullptr) {
+    if (const auto units = read_control(kernel, fd, V4L2_CID_EXPOSURE_ABSOLUTE)) now.exposure = *units * kExposureUnit;
+  } else if (sensor->is_known()) {
+    if (const auto lines = read_control(kernel, fd, V4L2_CID_EXPOSURE)) now.exposure = sensor->of_lines(*lines);
+  }
   if (const auto steps = read_control(kernel, fd, V4L2_CID_ZOOM_ABSOLUTE)) now.zoom = *steps;
   return now;
 }

@@ -2,10 +2,8 @@
 #include "drivers/camera/v4l2_device.h"
 
 #include <fmt/format.h>
-#include <grp.h>
 #include <linux/videodev2.h>
 #include <poll.h>
-#include <sys/stat.h>
 
 #include <cerrno>
 #include <cmath>
@@ -14,18 +12,13 @@
 
 #include "base/contract.h"
 #include "drivers/camera/camera_identity.h"
+#include "drivers/camera/control_access.h"
+#include "drivers/camera/open_failure.h"
 #include "drivers/camera/v4l2_controls.h"
 #include "drivers/camera/v4l2_formats.h"
 
 namespace ninedot {
 namespace {
-
-std::string group_of(const std::string& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) return "video";
-  const group* const entry = ::getgrgid(status.st_gid);
-  return entry != nullptr ? entry->gr_name : std::to_string(status.st_gid);
-}
 
 v4l2_buffer empty_buffer(std::uint32_t index = 0) noexcept {
   v4l2_buffer buffer{};
@@ -37,26 +30,8 @@ v4l2_buffer empty_buffer(std::uint32_t index = 0) noexcept {
 
 }  // namespace
 
-std::string describe_open_failure(const std::string& path, int error) {
-  switch (error) {
-    case ENOENT:
-    case ENODEV:
-    case ENXIO:
-      return fmt::format("{}: no such camera: connect it, or choose one that `ninedot cameras` lists", path);
-    case EACCES:
-    case EPERM:
-      return fmt::format(
-          "{0}: permission missing: it belongs to the group '{1}': usermod -aG {1} USER, then log in anew", path,
-          group_of(path));
-    case EBUSY:
-      return fmt::format("{0}: busy: stop the program that uses it (fuser {0} names it)", path);
-    default:
-      return fmt::format("{}: {}", path, std::strerror(error));
-  }
-}
-
-V4l2Device::V4l2Device(const CameraRequest& request, VideoKernel& kernel, std::string system)
-    : request_(request), kernel_(kernel), system_(std::move(system)), jpeg_({request.width_px, request.height_px}) {}
+V4l2Device::V4l2Device(const CameraRequest& request, VideoKernel& kernel, SystemFolders folders)
+    : request_(request), kernel_(kernel), folders_(std::move(folders)), jpeg_({request.width_px, request.height_px}) {}
 
 void V4l2Device::refuse(const std::string& what, int error) const {
   throw CameraRefused(fmt::format("{}: {}", request_.device, what), error);
@@ -64,8 +39,12 @@ void V4l2Device::refuse(const std::string& what, int error) const {
 
 void V4l2Device::require(int result, const char* what) const {
   if (result >= 0) return;
-  if (result == -EBUSY || result == -ENODEV)
-    throw CameraRefused(describe_open_failure(request_.device, -result), -result);
+  if (result == -EBUSY || result == -ENODEV) throw CameraRefused(describe_open_failure(node_, -result), -result);
+  if (result == -EPIPE && sensor_)
+    refuse(
+        fmt::format("{}: the formats along {} don't fit, or one of its links is off: `media-ctl -p -d {}` shows them",
+                    what, describe_route(sensor_->route()), sensor_->route().graph.device),
+        EPIPE);
   refuse(fmt::format("{} failed: {}", what, std::strerror(-result)), -result);
 }
 
@@ -74,14 +53,25 @@ void V4l2Device::open() {
   try {
     open_node();
     agree_on_format();
-    agree_on_rate();
-    const AppliedControls controls = apply_controls(kernel_, fd_, request_);
+    // A sensor's nodes obey everybody, also while it runs: whoever has the video node's buffers may ask it something.
+    if (sensor_) {
+      map_buffers();
+      sensor_->set_path(*format_, request_.width_px, request_.height_px);
+    }
+    const std::string rate_remark = agree_on_rate();
+    const AppliedControls controls = set_controls();
     note(controls.now);
-    map_buffers();
+    if (!sensor_) map_buffers();
     start_streaming();
-    description_ = fmt::format("{} {}x{}, {:.4g} Hz{}{}", format_->name, request_.width_px, request_.height_px,
-                               1e9 / static_cast<double>(period_.count()), controls.description.empty() ? "" : ", ",
-                               controls.description);
+    // Some sensors look at a value only now that they have power, and cut it to what fits into a frame (imx296.c).
+    if (sensor_) note(read_live());
+    description_ = fmt::format("{} {}x{}, {:.4g} Hz{}", format_->name, request_.width_px, request_.height_px,
+                               1e9 / static_cast<double>(period_.count()), rate_remark);
+    if (!controls.description.empty()) add_part(description_, controls.description);
+    if (!sensor_) return;
+    add_part(description_, describe_route(sensor_->route()));
+    if (const std::string shutter = sensor_->describe_shutter(request_.expected_row_time); !shutter.empty())
+      add_part(description_, shutter);
   } catch (...) {
     close();
     throw;
@@ -89,8 +79,13 @@ void V4l2Device::open() {
 }
 
 void V4l2Device::open_node() {
-  fd_ = kernel_.open(request_.device.c_str());
-  if (fd_ < 0) throw CameraRefused(describe_open_failure(request_.device, -fd_), -fd_);
+  node_ = request_.device;
+  if (node_.starts_with(kSensorPrefix)) {
+    sensor_.emplace(kernel_, find_sensor(kernel_, request_.device, folders_), request_.device);
+    node_ = sensor_->route().node;
+  }
+  fd_ = kernel_.open(node_.c_str());
+  if (fd_ < 0) throw CameraRefused(describe_open_failure(node_, -fd_), -fd_);
   v4l2_capability capability{};
   if (kernel_.ioctl(fd_, VIDIOC_QUERYCAP, &capability) < 0)
     refuse("is no V4L2 camera; `ninedot cameras` lists those", ENOTTY);
@@ -102,7 +97,10 @@ void V4l2Device::open_node() {
                : "captures no pictures (metadata or output node); `ninedot cameras` lists those that do",
            ENOTTY);
   if ((can & V4L2_CAP_STREAMING) == 0) refuse("offers no memory-mapped buffers", ENOTTY);
-  check_identity(request_.device, v4l2_identity(request_.device, capability, system_), request_.calibrated_id);
+  check_identity(request_.device, v4l2_identity(node_, capability, folders_.video), request_.calibrated_id);
+  if (!sensor_ && (can & V4L2_CAP_IO_MC) != 0)
+    if (auto route = find_sensor_in_front_of(kernel_, request_.device, folders_))
+      sensor_.emplace(kernel_, *std::move(route), request_.device);
 
   v4l2_input input{};
   int current = 0;
@@ -119,7 +117,8 @@ void V4l2Device::open_node() {
 }
 
 void V4l2Device::agree_on_format() {
-  const std::vector<OfferedFormat> offers = read_offered_formats(kernel_, fd_);
+  std::vector<OfferedFormat> offers = read_offered_formats(kernel_, fd_);
+  if (sensor_) offers = sensor_->offers(offers, request_);
   const std::string offered = fmt::format("{}", fmt::join(describe_offers(offers), "; "));
   const auto refuse_with_offers = [&] {
     refuse(fmt::format("the camera has no {} {}x{}; it offers {}",
@@ -159,7 +158,13 @@ void V4l2Device::check_bayer() const {
            EINVAL);
 }
 
-void V4l2Device::agree_on_rate() {
+/// \return  a remark for people, empty where there is none
+std::string V4l2Device::agree_on_rate() {
+  if (sensor_) {
+    const std::string remark = sensor_->set_rate(request_.rate_hz);
+    period_ = sensor_->period().value_or(std::chrono::nanoseconds(std::llround(1e9 / request_.rate_hz)));
+    return remark;
+  }
   v4l2_streamparm parameters{};
   parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   parameters.parm.capture.timeperframe = {1000, static_cast<std::uint32_t>(std::lround(request_.rate_hz * 1000))};
@@ -170,6 +175,12 @@ void V4l2Device::agree_on_rate() {
                               ? static_cast<double>(period.numerator) / period.denominator
                               : 1 / request_.rate_hz;
   period_ = std::chrono::nanoseconds(std::llround(period_s * 1e9));
+  return {};
+}
+
+AppliedControls V4l2Device::set_controls() {
+  return sensor_ ? apply_controls(kernel_, sensor_->fd(), request_, &sensor_->timing())
+                 : apply_controls(kernel_, fd_, request_);
 }
 
 void V4l2Device::map_buffers() {
@@ -217,6 +228,7 @@ void V4l2Device::start_streaming() {
 }
 
 void V4l2Device::close() noexcept {
+  sensor_.reset();
   if (fd_ < 0) return;
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if (is_streaming_) kernel_.ioctl(fd_, VIDIOC_STREAMOFF, &type);
@@ -332,6 +344,10 @@ Result<GrabbedFrame> V4l2Device::as_luma(const Taken& taken) noexcept {
   return grabbed;
 }
 
+LiveControls V4l2Device::read_live() noexcept {
+  return sensor_ ? read_live_controls(kernel_, sensor_->fd(), &sensor_->timing()) : read_live_controls(kernel_, fd_);
+}
+
 void V4l2Device::note(const LiveControls& now) noexcept {
   exposure_ns_.store(now.exposure.count(), std::memory_order_relaxed);
   zoom_.store(now.zoom, std::memory_order_relaxed);
@@ -339,12 +355,12 @@ void V4l2Device::note(const LiveControls& now) noexcept {
 
 std::optional<std::chrono::nanoseconds> V4l2Device::refresh() noexcept {
   EXPECTS(fd_ >= 0);
-  LiveControls now = read_live_controls(kernel_, fd_);
+  LiveControls now = read_live();
   // A camera that just does not answer keeps what was known.
   if (now.exposure.count() == 0) now.exposure = timing().exposure;
   if (std::isnan(now.zoom)) now.zoom = zoom_.load(std::memory_order_relaxed);
   note(now);
-  const bool is_automatic = request_.exposure.count() == 0 && now.exposure.count() > 0;
+  const bool is_automatic = now.exposure.count() > 0 && (request_.exposure.count() == 0 || sensor_);
   if (!is_automatic && std::isnan(now.zoom)) return std::nullopt;
   return kRefreshPause;
 }

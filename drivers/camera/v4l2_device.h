@@ -2,7 +2,8 @@
 /// A V4L2 camera: memory-mapped buffers, taken without blocking, the newest wins.
 ///
 /// GREY, NV12, NV21 and YU12 are lent in the driver's own buffer; other formats become luma in memory of ours, one
-/// picture for each of the driver's buffers. Only the single-planar interface is spoken.
+/// picture for each of the driver's buffers. Only the single-planar interface is spoken. Where a sensor behind a media
+/// graph makes the pictures, it is set through nodes of its own (media_sensor.h), and found anew at each opening.
 #include <array>
 #include <atomic>
 #include <memory>
@@ -12,6 +13,7 @@
 
 #include "drivers/camera/camera_device.h"
 #include "drivers/camera/exposure_stamp.h"
+#include "drivers/camera/media_sensor.h"
 #include "drivers/camera/pixel_format.h"
 #include "drivers/camera/v4l2_controls.h"
 #include "drivers/camera/video_kernel.h"
@@ -33,9 +35,9 @@ class V4l2Device final : public CameraDevice {
   /// One with the caller, one ready, two for the driver to fill. A driver may give more or fewer, two at least.
   static constexpr std::uint32_t kBufferCount = 4;
 
-  /// \param system  where the system tells of its cameras (camera_identity.h)
+  /// \param request  device: a node's path, or "sensor:NAME" (media_graph.h)
   explicit V4l2Device(const CameraRequest& request, VideoKernel& kernel = linux_video_kernel(),
-                      std::string system = "/sys/class/video4linux");
+                      SystemFolders folders = {});
   ~V4l2Device() override { V4l2Device::close(); }
   V4l2Device(const V4l2Device&) = delete;
   V4l2Device& operator=(const V4l2Device&) = delete;
@@ -47,7 +49,7 @@ class V4l2Device final : public CameraDevice {
   Result<GrabbedFrame> grab(MonoTime deadline) noexcept override;
   void release(std::uint32_t buffer) noexcept override;
   /// Reads exposure and zoom anew, every kRefreshPause where they may change: not where the exposure is manual and
-  /// there is no zoom.
+  /// there is no zoom. A sensor's exposure may be changed through its own node by anybody, at any time.
   std::optional<std::chrono::nanoseconds> refresh() noexcept override;
 
   /// At most so far behind the light, for four questions a second on the camera's bus.
@@ -68,7 +70,8 @@ class V4l2Device final : public CameraDevice {
   void open_node();
   void agree_on_format();
   void check_bayer() const;
-  void agree_on_rate();
+  std::string agree_on_rate();
+  AppliedControls set_controls();
   void map_buffers();
   void start_streaming();
   [[noreturn]] void refuse(const std::string& what, int error) const;
@@ -81,7 +84,9 @@ class V4l2Device final : public CameraDevice {
 
   const CameraRequest request_;
   VideoKernel& kernel_;
-  const std::string system_;
+  const SystemFolders folders_;
+  std::optional<MediaSensor> sensor_;
+  std::string node_;  // where the pictures come out
   int fd_ = -1;
   bool is_streaming_ = false;
   std::string description_;
@@ -89,6 +94,7 @@ class V4l2Device final : public CameraDevice {
   ShutterTiming timing() const noexcept {
     return {std::chrono::nanoseconds(exposure_ns_.load(std::memory_order_relaxed)), request_.readout};
   }
+  LiveControls read_live() noexcept;
   void note(const LiveControls& now) noexcept;
   // Written by the thread that opens and refreshes, read by `grab`.
   std::atomic<std::int64_t> exposure_ns_{0};
@@ -108,8 +114,5 @@ class V4l2Device final : public CameraDevice {
 
   std::uint32_t skipped_ = 0, flagged_ = 0;  // since the newest frame that was returned
 };
-
-/// What is wrong with a device node, for people: no such device, permission (and which group has it), busy.
-std::string describe_open_failure(const std::string& path, int error);
 
 }  // namespace ninedot

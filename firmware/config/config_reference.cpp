@@ -37,8 +37,8 @@ const std::array kKeysUpToTheHead{
               SLOT(camera.source)},
     ConfigKey{
         "camera", "device", "", 0, 0, "",
-        "V4L2 path, libcamera id, or the recording's folder or .y4m file; a recording's relative path starts at the "
-        "folder of the configuration file",
+        "V4L2 path, or `sensor:NAME` of a sensor behind a media graph (docs/cameras.md), libcamera id, or the "
+        "recording's folder or .y4m file; a recording's relative path starts at the folder of the configuration file",
         SLOT(camera.device)},
     ConfigKey{"camera", "width_px", "px", 16, 8192, "", "width of the pictures", SLOT(camera.width_px)},
     ConfigKey{"camera", "height_px", "px", 16, 8192, "", "height of the pictures", SLOT(camera.height_px)},
@@ -46,9 +46,10 @@ const std::array kKeysUpToTheHead{
               SLOT(camera.rate_hz)},
     ConfigKey{"camera", "pixel_format", "", 0, 0, kPixelFormats, "format asked of the camera",
               SLOT(camera.pixel_format)},
-    ConfigKey{"camera", "exposure_us", "us", 0, 1e6, "", "exposure time; 0 = automatic", SLOT(camera.exposure_us)},
+    ConfigKey{"camera", "exposure_us", "us", 0, 1e6, "",
+              "exposure time; 0 = automatic, or as it is where there is no automatic", SLOT(camera.exposure_us)},
     ConfigKey{"camera", "gain", "", 0, 1000, "",
-              "sensor gain, with libcamera a factor, with V4L2 in the driver's units; 0 = automatic",
+              "sensor gain, with libcamera a factor, with V4L2 in the driver's units; 0 = automatic, or as it is",
               SLOT(camera.gain)},
     ConfigKey{"camera", "black_level", "", 0, 4000, "",
               "formats from RGGB10P to GBRG, which are a sensor's own numbers: the one that it gives without light, of "

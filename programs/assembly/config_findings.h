@@ -22,6 +22,10 @@ class ConfigFindings {
   /// there the key may not have been read at all.
   void attempt(const char* key, const std::function<void()>& step);
 
+  /// What the camera agreed to when it was opened, one line; empty: it was not, or has nothing to say.
+  void note_camera(const std::string& agreed) { camera_ = agreed; }
+  const std::string& camera() const noexcept { return camera_; }
+
   /// A ninedotd runs on this file's port: then it is the one that has the devices.
   void note_running_service() { is_service_running_ = true; }
 
@@ -34,6 +38,7 @@ class ConfigFindings {
 
   const ConfigProblems& file_;
   std::vector<ConfigProblem> problems_, notes_;
+  std::string camera_;
   bool is_service_running_ = false;
 };
 

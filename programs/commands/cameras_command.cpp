@@ -15,6 +15,8 @@ void print_camera(const char* source, const CameraListing& camera) {
   fmt::print("  configure  source = \"{}\", device = \"{}\"\n", source,
              camera.steady_device.empty() ? camera.device : camera.steady_device);
   if (!camera.identity.empty()) fmt::print("  camera_id  {}\n", camera.identity);
+  if (!camera.path.empty()) fmt::print("  path       {}\n", camera.path);
+  if (!camera.now.empty()) fmt::print("  now        {}\n", camera.now);
   if (!camera.problem.empty()) fmt::print("  problem    {}\n", camera.problem);
   for (const std::string& line : camera.formats) fmt::print("  format     {}\n", line);
   for (const std::string& line : camera.controls) fmt::print("  control    {}\n", line);

@@ -17,11 +17,12 @@
 namespace ninedot {
 namespace {
 
-/// \param camera  nothing where no calibration was read
-void print_summary(const Config& config, const std::optional<CameraModel>& camera) {
+/// \param camera  nothing where no calibration was read \param agreed  with the camera; empty: it was not opened
+void print_summary(const Config& config, const std::optional<CameraModel>& camera, const std::string& agreed) {
   fmt::print("  camera    {}{}{}, {}x{} px, {} Hz{}\n", config.camera.source, config.camera.device.empty() ? "" : " ",
              config.camera.device, config.camera.width_px, config.camera.height_px, config.camera.rate_hz,
              camera ? fmt::format(", f = {:.1f} px", camera->fx_px) : "");
+  if (!agreed.empty()) fmt::print("  agreed    {}\n", agreed);
   fmt::print("  landmark  ring radius {} mm, dots {} mm, centre dot {} mm\n", config.landmark.ring_radius_mm,
              config.landmark.dot_diameter_mm, config.landmark.centre_diameter_mm);
   fmt::print("  pose      solver {}\n", config.pose.solver);
@@ -52,7 +53,9 @@ void run_check(const std::string& path, bool file_only) {
   const std::vector<std::string> refused = problem_lines(findings, path);
   if (refused.empty()) {
     fmt::print("{}: ok\n", path);
-    print_summary(config, camera);
+    print_summary(config, camera, findings.camera());
+  } else if (!findings.camera().empty()) {
+    fmt::print("  agreed    {}\n", findings.camera());
   }
   for (const std::string& line : note_lines(findings, path)) fmt::print("{}\n", line);
   if (!refused.empty()) throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}", fmt::join(refused, "\n")));

@@ -53,8 +53,10 @@ void check_devices(const Config& config, const ConfigProblems& problems, std::op
                            !(problems.is_in("pan_tilt") || problems.is_in("body") || problems.is_in("simulation"));
   findings.attempt("camera.device", [&] {
     if (!can_be_made) return;
-    tells_zoom |=
-        open_source(config, FrameDemand::kEveryFrame, calibration ? &calibration->record : nullptr).tells_zoom;
+    const OpenedSource opened =
+        open_source(config, FrameDemand::kEveryFrame, calibration ? &calibration->record : nullptr);
+    tells_zoom |= opened.tells_zoom;
+    findings.note_camera(opened.description);
     is_opened = true;
   });
   if (is_recording && is_opened && config.camera.calibration.empty()) findings.attempt("camera.calibration", read);

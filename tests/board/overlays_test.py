@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The board image's device-tree overlays, laid over the device trees that Debian's kernel has for Raspberry Pis; what the board says of a
-line of config.txt that can't be done; and how it readies the camera's receiver.
+"""The board image's device-tree overlays, laid over the device trees that Debian's kernel has for Raspberry Pis; and what the board says of a
+line of config.txt that can't be done.
 
     tests/board/overlays_test.py [FOLDER]     FOLDER: where the boards' *.dtb are; default: those of build/image/ninedot-arm64.img
 
@@ -15,7 +15,7 @@ import unittest
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 BOARD_PROGRAMS = os.path.join(ROOT, "systemd/image/root/usr/lib/ninedot")
-CHECK, PREPARE = os.path.join(BOARD_PROGRAMS, "check-overlays"), os.path.join(BOARD_PROGRAMS, "prepare-camera")
+CHECK = os.path.join(BOARD_PROGRAMS, "check-overlays")
 RECEIVER = "/soc/csi@7e801000"
 SERIAL, SMALL_SERIAL, PWM = "/soc/serial@7e201000", "/soc/serial@7e215040", "/soc/pwm@7e20c000"
 
@@ -247,63 +247,6 @@ class ConfigTxt(unittest.TestCase):
     def test_leaves_sections_of_other_boards_alone(self):
         self.assertEqual(self.said("[pi3]\ndtoverlay=camera-ov9281-pi3\n[all]\n"), "")
         self.assertIn("camera-ov9281-pi3", self.said("[pi3]\r\n[all]\r\ndtoverlay=camera-ov9281-pi3\r\n"))
-
-
-# Stands for media-ctl: one media device with the receiver's and the sensor's entities, which keeps the formats that it is given. A sensor has the
-# formats of the file "can" and refuses others without a word, as the kernel does: it goes on with what it has.
-MEDIA_CTL = """#!/bin/sh
-cd "$(dirname "$0")"
-case $3 in
-  -p) cat topology ;;
-  --get-v4l2) case $4 in '"unicam"'*) cat receiver ;; *) echo "		[fmt:$(cat sensor) field:none]" ;; esac ;;
-  -V) asked=$(echo "$4" | sed 's/.*fmt:\\([^]]*\\)].*/\\1/')
-      case $4 in
-        '"unicam":0 '*) echo "$asked" > receiver ;;
-        *) ! grep -q "^${asked%/*}$" can || echo "$asked" > sensor ;;
-      esac ;;
-esac
-"""
-TOPOLOGY = """Media controller API version 6.12.117
-driver          unicam
-- entity 1: unicam (3 pads, 3 links, 1 route)
-	pad0: Sink
-		<- "SENSOR":0 [ENABLED,IMMUTABLE]
-	pad1: Source
-		-> "unicam-image":0 [ENABLED,IMMUTABLE]
-- entity 13: unicam-image (1 pad, 1 link)
-	pad0: Sink
-		<- "unicam":1 [ENABLED,IMMUTABLE]
-"""
-
-
-class PreparedCamera(unittest.TestCase):
-    def prepare(self, sensor, now, can):
-        """Returns what it says and the format that the receiver has then"""
-        with tempfile.TemporaryDirectory(dir=work) as place:
-            files = {"media-ctl": MEDIA_CTL, "sleep": "#!/bin/sh\n", "topology": TOPOLOGY.replace("SENSOR", sensor), "sensor": now, "can": can}
-            for name, text in files.items():
-                with open(os.path.join(place, name), "w", encoding="ascii") as file:
-                    file.write(text)
-                os.chmod(os.path.join(place, name), 0o755)
-            done = subprocess.run(["sh", PREPARE], env={"PATH": f"{place}:/usr/bin:/bin"}, capture_output=True, text=True, check=False)
-            receiver = os.path.join(place, "receiver")
-            if not os.path.exists(receiver):
-                return done.returncode, done.stdout.strip(), None
-            with open(receiver, encoding="ascii") as file:
-                return done.returncode, done.stdout.strip(), file.read().strip()
-
-    def test_grey_sensor_gives_eight_bits_where_it_can(self):
-        self.assertEqual(self.prepare("ov9282 10-0060", "Y10_1X10/1280x800", "Y10_1X10\nY8_1X8\n"),
-                         (0, "ov9282 10-0060 gives Y8_1X8/1280x800", "Y8_1X8/1280x800"))
-        self.assertEqual(self.prepare("imx296 10-001a", "Y10_1X10/1456x1088", "Y10_1X10\n")[2], "Y10_1X10/1456x1088")
-
-    def test_colour_sensor_keeps_its_own(self):
-        self.assertEqual(self.prepare("imx219 10-0010", "SRGGB10_1X10/3280x2464", "SRGGB10_1X10\nSRGGB8_1X8\n")[2], "SRGGB10_1X10/3280x2464")
-
-    def test_says_where_there_is_no_sensor(self):
-        status, said, receiver = self.prepare("unicam", "", "")
-        self.assertEqual((status, receiver), (1, None))
-        self.assertIn("no sensor", said)
 
 
 def main():

@@ -461,7 +461,7 @@ TEST(V4l2List, FindsTheNodesThatCaptureAndSaysWhatIsInTheWay) {
   FakeVideoKernel kernel;
   kernel.formats = {{V4L2_PIX_FMT_GREY, {{640, 480}}, 60}};
   kernel.add_control(V4L2_CID_GAIN, 0, 100, 16);
-  std::vector<CameraListing> cameras = list_v4l2_cameras(kernel, folder);
+  std::vector<CameraListing> cameras = list_v4l2_cameras(kernel, {folder, folder});
   ASSERT_EQ(cameras.size(), 2U);
   EXPECT_EQ(cameras[0].device, folder + "/video2");
   EXPECT_EQ(cameras[1].device, folder + "/video10");
@@ -469,10 +469,10 @@ TEST(V4l2List, FindsTheNodesThatCaptureAndSaysWhatIsInTheWay) {
   EXPECT_EQ(cameras[1].formats, std::vector<std::string>{"GREY 640x480 60 Hz"});
   EXPECT_EQ(cameras[1].controls, std::vector<std::string>{"A control: 0 to 100 step 1, now 16"});
   kernel.open_error = EACCES;
-  EXPECT_NE(list_v4l2_cameras(kernel, folder).at(0).problem.find("permission missing"), std::string::npos);
+  EXPECT_NE(list_v4l2_cameras(kernel, {folder, folder}).at(0).problem.find("permission missing"), std::string::npos);
   kernel.open_error = 0;
   kernel.capabilities = V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_STREAMING;
-  EXPECT_TRUE(list_v4l2_cameras(kernel, folder).empty());
+  EXPECT_TRUE(list_v4l2_cameras(kernel, {folder, folder}).empty());
   std::filesystem::remove_all(folder);
 }
 

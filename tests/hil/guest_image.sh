@@ -32,7 +32,10 @@ copy_programs() {
 }
 
 fetch_kernel
-[[ -z $simulated ]] || add_simulated_hardware
+if [[ -n $simulated ]]; then
+  add_simulated_hardware
+  modules+=(vimc)
+fi
 root=$(mktemp -d "$out/root.XXXXXX")
 trap 'rm -rf "$root"' EXIT
 mkdir -p "$root"/{bin,dev,etc,proc,sys,tmp,run}
@@ -42,7 +45,7 @@ printf 'root:x:0:0:root:/:/bin/sh\n' > "$root/etc/passwd"
 printf 'root:x:0:\nvideo:x:44:\ndialout:x:20:\n' > "$root/etc/group"
 install -m 755 "$source_dir/tests/hil/guest_init.sh" "$root/init"
 copy_modules "$root"
-copy_programs "$(command -v v4l2-ctl)" "$bin/ninedot" "$bin/ninedotd"
+copy_programs "$(command -v v4l2-ctl)" "$(command -v media-ctl)" "$bin/ninedot" "$bin/ninedotd"
 cp -r "$media" "$root/media"
 (cd "$root" && find . -print0 | sort -z | cpio --null --quiet -o -H newc -R 0:0) | gzip -1 > "$out/initramfs.part"
 mv "$out/initramfs.part" "$out/initramfs"

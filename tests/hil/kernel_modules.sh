@@ -1,6 +1,7 @@
 #!/bin/bash
 # Builds the drivers of simulated hardware that Debian's kernels leave out, against the headers and from the source of the very kernel:
-# gpio-sim (lines that a test drives and reads) and pwm-pca9685 (a PWM chip on I2C, whose registers i2c-stub keeps in memory).
+# gpio-sim (lines that a test drives and reads), pwm-pca9685 (a PWM chip on I2C, whose registers i2c-stub keeps in memory) and vimc (two sensors
+# behind a media graph; one of them with the controls of a real one, see vimc_sensor.sh).
 #
 #   tests/hil/kernel_modules.sh KERNEL_FOLDER LOG      KERNEL_FOLDER: the kernel's package, unpacked; modules go to lib/modules/*/extra
 set -euo pipefail
@@ -10,7 +11,7 @@ kernel=$(readlink -f "$1")
 log=$(realpath "$2")
 version=$(basename "$kernel"/lib/modules/*)
 extra=$kernel/lib/modules/$version/extra
-[[ ! -e $extra/complete ]] || exit 0
+[[ ! -e $extra/complete || ! -e $extra/vimc.ko ]] || exit 0
 
 work=$(mktemp -d "$kernel.modules.XXXXXX")
 trap 'rm -rf "$work"' EXIT
@@ -18,12 +19,12 @@ headers=linux-headers-$version
 source_package=linux-source-$(cut -d. -f1,2 <<< "$version")
 mapfile -t needed < <(apt-cache depends --important "$headers" | sed -n 's/^ *Depends: \(linux-\(headers\|kbuild\)-.*\)/\1/p')
 [[ ${#needed[@]} -ge 2 ]] || fail "apt does not know what $headers needs: is this the newest kernel? Remove $kernel"
-echo "building gpio-sim and pwm-pca9685 for $version"
+echo "building gpio-sim, pwm-pca9685 and vimc for $version"
 (cd "$work" && apt-get -q download "$headers" "${needed[@]}" "$source_package" > "$log" 2>&1) || fail "the kernel's headers or source can't be downloaded: $log"
 for package in "$work"/*.deb; do dpkg -x "$package" "$work/root"; done
 tar -C "$work" -xJf "$work/root/usr/src/$source_package.tar.xz" --strip-components 1 --wildcards '*/drivers/gpio/gpio-sim.c' '*/drivers/gpio/gpiolib.h' \
-  '*/drivers/gpio/dev-sync-probe.[ch]' '*/kernel/irq/irq_sim.c' '*/drivers/pwm/pwm-pca9685.c' 2> "$work/tar.log" ||
-  [[ -e $work/drivers/gpio/gpio-sim.c && -e $work/drivers/pwm/pwm-pca9685.c && -e $work/kernel/irq/irq_sim.c ]] || fail "$source_package has no such drivers"
+  '*/drivers/gpio/dev-sync-probe.[ch]' '*/kernel/irq/irq_sim.c' '*/drivers/pwm/pwm-pca9685.c' '*/drivers/media/test-drivers/vimc/*.[ch]' 2> "$work/tar.log" ||
+  [[ -e $work/drivers/gpio/gpio-sim.c && -e $work/drivers/pwm/pwm-pca9685.c && -e $work/kernel/irq/irq_sim.c && -e $work/drivers/media/test-drivers/vimc/vimc-core.c ]] || fail "$source_package has no such drivers"
 
 tree=$work/root/usr/src/$headers
 # Where the package would be installed is written into it.
@@ -39,7 +40,12 @@ cp "$work"/drivers/gpio/gpio-sim.c "$work"/drivers/gpio/*.h "$work"/drivers/pwm/
 mv "$build/gpio-sim.c" "$build/gpio_sim_main.c"
 objects="gpio_sim_main.o irq_sim.o"
 if [[ -e $work/drivers/gpio/dev-sync-probe.c ]]; then cp "$work/drivers/gpio/dev-sync-probe.c" "$build/"; objects+=" dev-sync-probe.o"; fi
-printf 'obj-m := gpio-sim.o pwm-pca9685.o\ngpio-sim-y := %s\n' "$objects" > "$build/Makefile"
+cp "$work"/drivers/media/test-drivers/vimc/*.[ch] "$build/"
+"$(dirname "$(readlink -f "$0")")/vimc_sensor.sh" "$build"
+{
+  printf 'obj-m := gpio-sim.o pwm-pca9685.o vimc.o\ngpio-sim-y := %s\n' "$objects"
+  printf 'vimc-y := %s\n' "$(cd "$build" && printf '%s ' vimc-*.c | sed 's/\.c /.o /g')"
+} > "$build/Makefile"
 # Type information for tracing programs would need the whole kernel, which is not in the packages.
 make -C "$tree" M="$build" CONFIG_DEBUG_INFO_BTF_MODULES= modules >> "$log" 2>&1 || { tail -n 20 "$log" >&2; fail "the modules don't build: $log"; }
 mkdir -p "$extra"

@@ -24,6 +24,7 @@ import camera_stage
 import faults_stage
 import installed_stage
 import libcamera_stage
+import sensors_stage
 import serial_stage
 import servo_stage
 import visca_stage
@@ -33,6 +34,7 @@ from media import make_media
 STAGES = {
     "camera": camera_stage,
     "faults": faults_stage,
+    "sensors": sensors_stage,
     "serial": serial_stage,
     "servo": servo_stage,
     "visca": visca_stage,
@@ -120,7 +122,7 @@ def main(arguments):
         sys.exit(f"hil: there is no stage {' '.join(unknown)}; there are {' '.join(STAGES)}")
     out.mkdir(parents=True, exist_ok=True)
     make_media(SOURCE / "tests" / "recordings", out / "media")
-    simulated = ["--simulated-hardware"] if "servo" in names else []
+    simulated = ["--simulated-hardware"] if "servo" in names or "sensors" in names else []
     image = [SOURCE / "tests" / "hil" / "guest_image.sh", bin_folder, out / "media", out, *simulated]
     # That stage has an image of its own.
     if names != ["installed"] and subprocess.run(image).returncode != 0:

@@ -11,6 +11,7 @@ import zlib
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from png_grey import read_png_grey
 from registers import DifferenceFromRow, Registers, as_float32, rotation_vector_deg
+from vimc_facts import CONTROLS, LINE_US, furthest_from_middle, is_switched_on, sensors_listed
 
 ROW = dict(
     x_mm="711.123456",
@@ -98,6 +99,28 @@ class Pictures(unittest.TestCase):
                 + chunk(b"IEND", b"")
             )
             self.assertEqual(read_png_grey(file), (width, len(rows), b"".join(rows)))
+
+
+class Sensors(unittest.TestCase):
+    def test_one_line_of_exposure_more_is_seen_in_the_stamps(self):
+        given = [int(1e9 + 50e6 * i) for i in range(5)]
+        right = [end - CONTROLS["exposure"] * LINE_US * 1000 / 2 for end in given]
+        self.assertLess(furthest_from_middle(right, given), 1)
+        self.assertGreater(furthest_from_middle([stamp - LINE_US * 1000 / 2 for stamp in right], given), 1000)
+        self.assertGreater(furthest_from_middle(given, given), 1e6)
+        self.assertEqual(furthest_from_middle([], given), math.inf)
+        self.assertEqual(furthest_from_middle(right, []), math.inf)
+
+    def test_a_link_that_is_off_is_not_on(self):
+        self.assertTrue(is_switched_on('\tpad0: Source\n\t\t-> "Raw Capture 1":0 [ENABLED]\n'))
+        self.assertFalse(is_switched_on('\t\t-> "Raw Capture 1":0 []\n\t\t-> "Raw Capture 0":0 [ENABLED]\n'))
+
+    def test_a_sensors_lines_are_its_own(self):
+        listed = sensors_listed(
+            "sensor:Sensor A  vimc, platform:vimc.0\n  path       a\nsensor:Sensor B  vimc, platform:vimc.0\n  path       b\n  control    c\n"
+            "/dev/video4  another\n  format     d\n"
+        )
+        self.assertEqual(listed, {"sensor:Sensor A": "  path       a\n", "sensor:Sensor B": "  path       b\n  control    c\n"})
 
 
 if __name__ == "__main__":
