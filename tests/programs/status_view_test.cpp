@@ -41,7 +41,8 @@ TEST(StatusTable, SaysPoseUncertaintyHeadAndHealthInTheRegistersUnits) {
             "           serial line LOST 15 times, serial line open\n"
             "servos     head LOST 16 times, pulses off by 7 us (p99), max 21\n"
             "search     17 runs cut, 18 blobs cut, 19 hypotheses cut, 20 neighbours cut,\n"
-            "           21 frames searched in part\n");
+            "           21 frames searched in part\n"
+            "device     ninedot 1.20.300, serial number of the board 10000000a1b2c3d\n");
 }
 
 TEST(StatusTable, SaysWhosePoseItIsAndNamesTheAnglesThatAreAskedFor) {
