@@ -1,7 +1,7 @@
 #!/bin/bash
 # Makes the board image: 64-bit ARM, Debian 13, read-only root, data partition, configuration on a FAT partition. docs/board.md says what is on it.
 #
-#   toolchains/image.sh [--update]     as root; result: build/image/ninedot-arm64.img, and
+#   toolchains/image.sh [--update]     as root; result: build/image/ninedot-arm64.img, ninedot-arm64.spdx.json, which says what it is made of, and
 #                                      vmlinuz and initrd.gz for QEMU's -kernel and -initrd
 #
 # Debian's part is made once, again when the list of its packages changes, and with --update: from what Debian's archive has now. The same sources
@@ -190,6 +190,9 @@ fill_root "$work/root" > "$log" 2>&1
 install -m 644 "$work"/root/boot/vmlinuz-* "$out/vmlinuz"
 make_initrd "$work/root" "$work" >> "$log" 2>&1
 make_fat "$work/root" "$work" >> "$log" 2>&1
+toolchains/sbom.py "$work/root" --name ninedot-arm64 --version "$image_version" --out "$out/ninedot-arm64.spdx.json" \
+  --unpacked "$work"/root/board/{linux-image-[0-9]*,busybox-static_*,raspi-firmware_*}.deb >> "$log" 2>&1
+install -D -m 644 "$out/ninedot-arm64.spdx.json" "$work/root/usr/share/ninedot/sbom.spdx.json"
 rm -rf "$work"/root/board "$work"/root/boot/* "$work"/root/usr/lib/linux-image-*
 env -u SOURCE_DATE_EPOCH mksquashfs "$work/root" "$work/root.squashfs" -comp zstd -Xcompression-level 19 -noappend -no-progress -quiet \
   -mkfs-time "$SOURCE_DATE_EPOCH" -all-time "$SOURCE_DATE_EPOCH" -processors "${NINEDOT_JOBS:-$(nproc)}" >> "$log" 2>&1

@@ -17,6 +17,7 @@ for file in ninedot-arm64.img vmlinuz initrd.gz; do [[ -s $folder/$file ]] || fa
 rm -rf "$work"
 mkdir -p "$work"
 cp --sparse=always "$folder/ninedot-arm64.img" "$work/board.img"
+tests/board/sbom_test.py "$folder"
 cp "$folder/vmlinuz" "$folder/initrd.gz" "$work/"  # a new image may be made meanwhile
 # Overlays are for boards that QEMU has not: they are tried on the boards' device trees.
 mkdir "$work/trees"
