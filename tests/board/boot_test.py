@@ -75,7 +75,7 @@ def check_first_boot(board, work):
     require(board.run("cat /proc/sys/kernel/hostname") == "cabinet-7", "the hostname was not taken over")
     require("10.0.2.77" in board.run("ip -4 -brief address"), "the network file was not taken over")
     status, said = board.log_in("systemctl is-active ninedotd")
-    require((status, said) == (0, "active"), f"login by key: {status}, {said}")
+    require((status, said) == (0, "active"), f"login by key: {status}, {said}; " + board.run("journalctl -u ninedotd -n 12 -o short-monotonic --no-pager"))
     note("configuration from the FAT partition", "ninedot.toml, hostname, network, authorized_keys taken over; login by key")
 
 
