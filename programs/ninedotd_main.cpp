@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "config/config.h"
+#include "drivers/posix/board_identity.h"
 #include "drivers/posix/realtime.h"
 #include "outputs/output_thread.h"
 #include "outputs/wire_output.h"
@@ -28,6 +29,7 @@
 #include "programs/assembly/zoom_choice.h"
 #include "programs/display/live_display.h"
 #include "programs/program.h"
+#include "programs/service/device_identity.h"
 #include "programs/service/lens_maker.h"
 #include "programs/service/main_outputs.h"
 #include "programs/service/map_reloader.h"
@@ -96,7 +98,9 @@ void run_service(const std::string& config_path, bool live) {
   const OpenedTap tap = open_tap(config, model, localiser_settings.seeker.landmark);
   loop_options.observer = tap.observer.get();
   FrameLoop frames(*camera.frames, *localiser, reports, health, loop_options);
-  const ModbusOptions modbus = modbus_options(config);
+  const BoardIdentity board = read_board_identity();
+  ModbusOptions modbus = modbus_options(config);
+  modbus.identity = device_identity(board);
   const WireOutput registers(reports, health, pose_output(config));
   ModbusServer server(registers, modbus);
 
@@ -119,6 +123,9 @@ void run_service(const std::string& config_path, bool live) {
   log.write(fmt::format("ninedot {}: {}, {}x{}, solver {}", NINEDOT_VERSION,
                         config.camera.device.empty() ? config.camera.source : config.camera.device, model.width_px,
                         model.height_px, config.pose.solver));
+  if (!board.model.empty() || !board.serial.empty())
+    log.write(fmt::format("board: {}, serial number {}", board.model.empty() ? "unknown" : board.model,
+                          board.serial.empty() ? "not told" : board.serial));
   if (!camera.description.empty()) log.write("camera: " + camera.description);
   if (!camera.refusal.empty()) log.note_camera_absent(camera.refusal);
   log.write("frame loop: " + realtime_text(config.service.realtime_priority, realtime));

@@ -214,6 +214,16 @@ void put_commands(Writer& out, const CommandRegisters& commands) noexcept {
   out.put<reg::kClientWatchdog>(static_cast<double>(commands.client_watchdog.count()));
 }
 
+void put_identity(Writer& out, RegisterBlock& block, const DeviceIdentity& identity) noexcept {
+  out.put<reg::kSoftwareMajor>(identity.version[0]);
+  out.put<reg::kSoftwareMinor>(identity.version[1]);
+  out.put<reg::kSoftwarePatch>(identity.version[2]);
+  for (std::size_t i = 0; i < identity.board_serial.size(); i += 2) {
+    const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(identity.board_serial[at]); };
+    block[reg::kBoardSerial + i / 2] = static_cast<std::uint16_t>(byte(i) << 8U | byte(i + 1));
+  }
+}
+
 }  // namespace
 
 void encode_value(const RegisterEntry& entry, double value, const RegisterCodecOptions& options,
@@ -255,6 +265,7 @@ RegisterBlock encode_registers(const WireReport& report, const MetricValues& met
   out.put<reg::kProbeWordOrder>(0x12345678);
   out.put<reg::kProbeFloat>(123456.0);
   put_commands(out, server.commands);
+  put_identity(out, block, server.identity);
   return block;
 }
 
@@ -269,6 +280,19 @@ std::uint32_t RegisterReader::integer(std::uint16_t address) const noexcept {
   EXPECTS(entry != nullptr && address + std::size_t{entry->words()} <= registers_.size());
   EXPECTS(!is_signed(entry->type) && entry->type != RegisterType::kF32);
   return bits_of(registers_.subspan(address, entry->words()), true);
+}
+
+std::string RegisterReader::board_serial() const {
+  std::string text;
+  for (std::size_t i = 0; i < kBoardSerialLength; ++i) {
+    const std::uint32_t word = integer(static_cast<std::uint16_t>(reg::kBoardSerial + i / 2));
+    const auto c = static_cast<unsigned char>(i % 2 == 0 ? word >> 8U : word & 0xFFU);
+    if (c == 0) break;
+    // It goes onto terminals and into JSON as it is.
+    if (c < ' ' || c > '~' || c == '"' || c == '\\') return {};
+    text += static_cast<char>(c);
+  }
+  return text;
 }
 
 }  // namespace ninedot

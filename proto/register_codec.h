@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "base/mono_time.h"
@@ -35,11 +36,18 @@ struct CommandRegisters {
   std::chrono::milliseconds client_watchdog{};
 };
 
+/// Who this device is: the same for as long as the service runs.
+struct DeviceIdentity {
+  std::array<std::uint16_t, 3> version{};               ///< of the software: major, minor, patch
+  std::array<char, kBoardSerialLength> board_serial{};  ///< ASCII, zeros behind it; all zeros: the board tells none
+};
+
 /// What a reply needs beside the report.
 struct ServerState {
   MonoTime now{};  ///< the moment of the reply: the age counts up to it
   bool writes_enabled = false;
   CommandRegisters commands;
+  DeviceIdentity identity;
 };
 
 using RegisterBlock = std::array<std::uint16_t, kRegisterCount>;
@@ -68,6 +76,8 @@ class RegisterReader {
   double value(std::uint16_t address) const noexcept;
   std::uint32_t integer(std::uint16_t address) const noexcept;  ///< an unsigned entry or a counter, in steps
   bool status(std::uint16_t bit) const noexcept { return (integer(reg::kStatus) & bit) != 0; }
+
+  std::string board_serial() const;  ///< as text; empty: the board tells none, or what it tells is no text
 
   /// The device is ours and speaks this map.
   bool is_ninedot() const noexcept {

@@ -22,9 +22,12 @@ namespace ninedot {
 inline constexpr std::uint16_t kRegisterMapVersion = 1;
 inline constexpr std::uint16_t kRegisterMapMagic = 0x9D09;
 
+/// A board's serial number as registers carry it [characters]: as long as a Raspberry Pi's.
+inline constexpr std::size_t kBoardSerialLength = 16;
+
 /// Every address has an entry. From here on: exception 02. One request of 125 registers (the protocol's limit) reads
-/// all but the angles.
-inline constexpr std::size_t kRegisterCount = 148;
+/// all but the angles and who the device is.
+inline constexpr std::size_t kRegisterCount = 159;
 
 // The map without the metrics, which have their own table.
 // clang-format off
@@ -113,6 +116,17 @@ inline constexpr auto kOwnRegisters = [] {
   {145, "pose_sequence_end",   kCounter16, 1,      "",     0,        kU16Max, kRead, "equals register 3, or the angles are of another pose"},
   {146, "head_state",          kU16,       1,      "",     0,        kU16Max, kRead, "what the pan/tilt head is doing, see below; 0 without one"},
   {147, "sigma_calibration",   kU16,       0.01,   "mm",   0,        kU16Max, kRead, "1-sigma of the camera's position, all axes together, by its calibration alone; part of the sigmas above; 65535 where the calibration does not say how good it is"},
+  {148, "software_major",      kU16,       1,      "",     0,        kU16Max, kRead, "version of the software, MAJOR.minor.patch"},
+  {149, "software_minor",      kU16,       1,      "",     0,        kU16Max, kRead, "the same, major.MINOR.patch"},
+  {150, "software_patch",      kU16,       1,      "",     0,        kU16Max, kRead, "the same, major.minor.PATCH"},
+  {151, "board_serial_1",      kU16,       1,      "",     0,        kU16Max, kRead, "serial number of the board, 16 characters of ASCII in 151-158: the first in the high byte, the second in the low one; 0 behind the last; all 0: the board tells none"},
+  {152, "board_serial_2",      kU16,       1,      "",     0,        kU16Max, kRead, "the same, characters 3 and 4"},
+  {153, "board_serial_3",      kU16,       1,      "",     0,        kU16Max, kRead, "the same, characters 5 and 6"},
+  {154, "board_serial_4",      kU16,       1,      "",     0,        kU16Max, kRead, "the same, characters 7 and 8"},
+  {155, "board_serial_5",      kU16,       1,      "",     0,        kU16Max, kRead, "the same, characters 9 and 10"},
+  {156, "board_serial_6",      kU16,       1,      "",     0,        kU16Max, kRead, "the same, characters 11 and 12"},
+  {157, "board_serial_7",      kU16,       1,      "",     0,        kU16Max, kRead, "the same, characters 13 and 14"},
+  {158, "board_serial_8",      kU16,       1,      "",     0,        kU16Max, kRead, "the same, characters 15 and 16"},
   });
 }();
 // clang-format on
@@ -209,6 +223,10 @@ NINEDOT_REGISTER(kAngleFloat, "angle_1_float");
 NINEDOT_REGISTER(kPoseSequenceEnd, "pose_sequence_end");
 NINEDOT_REGISTER(kHeadState, "head_state");
 NINEDOT_REGISTER(kSigmaCalibration, "sigma_calibration");
+NINEDOT_REGISTER(kSoftwareMajor, "software_major");
+NINEDOT_REGISTER(kSoftwareMinor, "software_minor");
+NINEDOT_REGISTER(kSoftwarePatch, "software_patch");
+NINEDOT_REGISTER(kBoardSerial, "board_serial_1");
 NINEDOT_REGISTER(kProbeFloat, "probe_float");
 NINEDOT_REGISTER(kPulseErrorP99, "pulse_error_p99");
 NINEDOT_REGISTER(kPulseErrorMax, "pulse_error_max");

@@ -1,12 +1,16 @@
 #!/bin/bash
 # Makes the board image: 64-bit ARM, Debian 13, read-only root, data partition, configuration on a FAT partition. docs/board.md says what is on it.
 #
-#   toolchains/image.sh       as root; result: build/image/ninedot-arm64.img, and vmlinuz and initrd.gz for QEMU's -kernel and -initrd
+#   toolchains/image.sh [--update]     as root; result: build/image/ninedot-arm64.img, ninedot-arm64.spdx.json, which says what it is made of, and
+#                                      vmlinuz and initrd.gz for QEMU's -kernel and -initrd
 #
-# Debian's part is made once and again when the list of its packages changes. The same sources give the same bytes (SOURCE_DATE_EPOCH: the last
-# commit's time). NINEDOT_CACHE, NINEDOT_MIRROR, NINEDOT_JOBS: as for toolchains/cross.sh; NINEDOT_SECURITY_MIRROR: roots.sh.
+# Debian's part is made once, again when the list of its packages changes, and with --update: from what Debian's archive has now. The same sources
+# give the same bytes (SOURCE_DATE_EPOCH: the last commit's time). NINEDOT_CACHE, NINEDOT_MIRROR, NINEDOT_JOBS: as for toolchains/cross.sh; NINEDOT_SECURITY_MIRROR: roots.sh.
 set -euo pipefail
 shopt -s inherit_errexit
+update=
+if [[ ${1:-} == --update ]]; then update=yes; shift; fi
+[[ $# -eq 0 ]] || { echo "image.sh: unknown '$1': toolchains/image.sh [--update]" >&2; exit 2; }
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 source toolchains/roots.sh
 
@@ -18,29 +22,35 @@ out=build/image image=build/image/ninedot-arm64.img
 # Unpacked by nobody: OpenCV's core asks for the graphics stack, of which it calls nothing without a window.
 left_out=(/usr/share/man/ /usr/share/info/ /usr/share/locale/ /usr/share/lintian/ /usr/share/bash-completion/ /usr/share/zsh/
   /usr/lib/aarch64-linux-gnu/libLLVM /usr/lib/aarch64-linux-gnu/libgallium /usr/lib/aarch64-linux-gnu/libz3 /usr/lib/aarch64-linux-gnu/dri/)
-# No screen, no sound, no server's controllers: half of the drivers' size.
+# Of the radios' firmware only that of the Raspberry Pis' own Wi-Fi, and which channels each country permits.
+firmware_kept=(brcm/brcmfmac43430-sdio.{bin,clm_blob,raspberrypi*} brcm/brcmfmac43455-sdio.{bin,clm_blob,raspberrypi*} cypress/cyfmac43430-sdio.* cypress/cyfmac43455-sdio.*
+  regulatory.db*)
+# No screen, no sound, no server's controllers, no radio but the Raspberry Pis' own: half of the drivers' size.
 drivers_left_out=(sound kernel/sound drivers/gpu drivers/infiniband drivers/scsi/lpfc drivers/scsi/qla2xxx drivers/scsi/mpt3sas
   drivers/net/ethernet/mellanox drivers/net/ethernet/intel drivers/net/ethernet/broadcom/bnxt drivers/net/ethernet/broadcom/bnx2x
-  drivers/net/wireless fs/btrfs fs/xfs fs/ocfs2 fs/gfs2 fs/ceph fs/bcachefs drivers/md drivers/isdn drivers/accel)
+  drivers/net/wireless/{admtek,ath,atmel,broadcom/b43,broadcom/b43legacy,broadcom/brcm80211/brcmsmac,intel,intersil,marvell,mediatek,ralink,realtek,rsi,ti,zydas}
+  fs/btrfs fs/xfs fs/ocfs2 fs/gfs2 fs/ceph fs/bcachefs drivers/md drivers/isdn drivers/accel)
 
 require_root
-for tool in mmdebstrap mksquashfs mcopy mkfs.vfat mke2fs sfdisk cpio depmod xz dtc; do
+for tool in mmdebstrap python3 mksquashfs mcopy mkfs.vfat mke2fs sfdisk cpio depmod xz dtc; do
   command -v "$tool" > /dev/null || roots_fail "needs $tool: ./dev packages cross image"
 done
 require_emulation arm64
 SOURCE_DATE_EPOCH=$(source_date_epoch)
 export SOURCE_DATE_EPOCH
+image_version=$(sed -n 's/^project(ninedot VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)+$(date -u -d "@$SOURCE_DATE_EPOCH" +%Y%m%d%H%M)
+[[ $image_version == [0-9]* ]] || roots_fail "CMakeLists.txt does not say the version"
 
 # Kept in the root as packages: what is unpacked later without its installation scripts, which would make an initrd under emulation for minutes;
 # and the kernel's headers and source, of the very same version, for toolchains/modules.sh.
 # shellcheck disable=SC2016
 download_kernel='
 cd /board
-kernel=$(apt-cache depends linux-image-arm64 | sed -n "s/.*Depends: \(linux-image-[0-9].*\)/\1/p" | head -n 1)
+kernel=$(apt-cache depends linux-image-rt-arm64 | sed -n "s/.*Depends: \(linux-image-[0-9].*\)/\1/p" | head -n 1)
 apt-get download busybox-static raspi-firmware "$kernel"
 version=$(dpkg-deb -f "$kernel"_*.deb Version) abi=${kernel#linux-image-}
 source=linux-source-$(echo "$abi" | cut -d . -f 1,2)
-apt-get download "linux-headers-$abi=$version" "linux-headers-${abi%-arm64}-common=$version" "linux-kbuild-${abi%-arm64}=$version" "$source=$version"'
+apt-get download "linux-headers-$abi=$version" "linux-headers-${abi%-rt-arm64}-common-rt=$version" "linux-kbuild-${abi%-rt-arm64}=$version" "$source=$version"'
 
 # debian_base DEB...: the folder with Debian's part, made if need be. The packages that ours ask for are in it.
 debian_base() {
@@ -50,7 +60,7 @@ debian_base() {
     sed 's/#.*//; s/ //g' systemd/image/packages.txt) | grep . | sort -u)
   key=$(sha256sum <<< "$sources $names ${left_out[*]} $download_kernel" | cut -c 1-12)
   base=$ninedot_cache/board-$key
-  if [[ ! -d $base ]]; then
+  if [[ ! -d $base || -n $update ]]; then
     echo "== making Debian's part: $base (takes 5 to 10 minutes)" >&2
     mkdir -p "$ninedot_cache"
     rm -rf --one-file-system "$base.part"
@@ -61,6 +71,8 @@ debian_base() {
     script=$download_kernel new_root --variant=minbase --architectures=arm64 "${option[@]}" --include="${names//$'\n'/,}" \
       --customize-hook='mkdir "$1/board" && chroot "$1" sh -ec "$script"' \
       "$ninedot_suite" "$base.part" - <<< "$sources" > "$log" 2>&1 || { tail -n 20 "$log" >&2; roots_fail "Debian's part failed; its whole output: $log"; }
+    # The old one goes when there is a new one: an archive that can't be reached leaves what there was.
+    rm -rf --one-file-system "$base"
     mv "$base.part" "$base"
   fi
   echo "$base"
@@ -81,21 +93,25 @@ fill_root() {
   in_root "$root" "$(dirname "$modules")" dpkg -i --ignore-depends="$version" "$(basename "$modules")"
   for place in "${drivers_left_out[@]}"; do option+=("--exclude=*/kernel/${place#kernel/}"); done
   unpack "$root"/board/linux-image-*.deb "$root" "${option[@]}"
+  option=()
+  for place in "${firmware_kept[@]}"; do option+=(! -path "$root/usr/lib/firmware/$place"); done
+  find "$root/usr/lib/firmware" ! -type d "${option[@]}" -delete
   version=$(basename "$root"/usr/lib/modules/*)
   depmod -b "$root" "$version"
   in_root "$root" "$(dirname "$deb")" dpkg -i "$(basename "$deb")" "$(basename "$web_deb")"
   cp -r systemd/image/root/. "$root/"
   # The page and ssh wait for a file of the FAT partition: conditions of their units.
-  in_root "$root" "$PWD" systemctl enable ninedot-configure.service systemd-networkd.service ssh.service ninedot-web.service
+  in_root "$root" "$PWD" systemctl enable ninedot-configure.service systemd-networkd.service systemd-timesyncd.service ssh.service ninedot-web.service
   # Work for a system that updates itself, and logins that nobody has a password for.
   in_root "$root" "$PWD" systemctl mask apt-daily.timer apt-daily-upgrade.timer dpkg-db-backup.timer e2scrub_all.timer e2scrub_reap.service \
-    fstrim.timer getty-static.service
+    fstrim.timer getty-static.service wpa_supplicant.service
   mkdir -p "$root/etc/systemd/system-generators"
   ln -s /dev/null "$root/etc/systemd/system-generators/systemd-ssh-generator"
   mkdir -p "$root/data" "$root/var/lib/ninedot" "$root/var/lib/ninedot-web"
   echo ninedot > "$root/etc/hostname"
   printf '127.0.0.1 localhost\n127.0.1.1 ninedot\n::1 localhost\n' > "$root/etc/hosts"
   : > "$root/etc/machine-id"
+  printf 'IMAGE_ID=ninedot-arm64\nIMAGE_VERSION=%s\n' "$image_version" >> "$root/usr/lib/os-release"
   rm -rf "$root/ninedot" "$root"/etc/ssh/ssh_host_* "$root"/var/lib/apt/lists/* "$root"/var/cache/* "$root"/var/log/* "$root"/var/lib/systemd/* \
     "$root"/var/lib/dpkg/*-old "$root"/etc/*- "$root/etc/resolv.conf" "$root"/tmp/* "$root"/run/* "${root:?}"/dev/* "$root"/initrd.img* "$root"/vmlinuz*
 }
@@ -174,6 +190,9 @@ fill_root "$work/root" > "$log" 2>&1
 install -m 644 "$work"/root/boot/vmlinuz-* "$out/vmlinuz"
 make_initrd "$work/root" "$work" >> "$log" 2>&1
 make_fat "$work/root" "$work" >> "$log" 2>&1
+toolchains/sbom.py "$work/root" --name ninedot-arm64 --version "$image_version" --out "$out/ninedot-arm64.spdx.json" \
+  --unpacked "$work"/root/board/{linux-image-[0-9]*,busybox-static_*,raspi-firmware_*}.deb >> "$log" 2>&1
+install -D -m 644 "$out/ninedot-arm64.spdx.json" "$work/root/usr/share/ninedot/sbom.spdx.json"
 rm -rf "$work"/root/board "$work"/root/boot/* "$work"/root/usr/lib/linux-image-*
 env -u SOURCE_DATE_EPOCH mksquashfs "$work/root" "$work/root.squashfs" -comp zstd -Xcompression-level 19 -noappend -no-progress -quiet \
   -mkfs-time "$SOURCE_DATE_EPOCH" -all-time "$SOURCE_DATE_EPOCH" -processors "${NINEDOT_JOBS:-$(nproc)}" >> "$log" 2>&1

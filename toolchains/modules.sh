@@ -33,7 +33,7 @@ require_emulation arm64  # the kernel's build programs come as arm64 ones
 folder=$(readlink -f "$1")
 cross=$(readlink -f build/package-arm64/root) || cross=
 [[ -d $cross ]] || roots_fail "no cross compiler: toolchains/cross.sh arm64 first"
-for kind in image-[0-9]* headers-*-arm64 headers-*-common kbuild source; do
+for kind in image-[0-9]* headers-*-arm64 headers-*-common* kbuild source; do
   compgen -G "$folder/linux-${kind}*.deb" > /dev/null || roots_fail "no linux-$kind*.deb in $folder: remove that folder's root and make it anew"
 done
 
@@ -95,15 +95,36 @@ for name in "${modules[@]}"; do
   in_root "$cross" "$work/build" aarch64-linux-gnu-strip --strip-debug "$name.ko" >> "$log" 2>&1 || fail "$name.ko was not built"
   install -m 644 "$work/build/$name.ko" "$place/"
 done
+# The kernel's own date, so that the same kernel gives the same package.
+SOURCE_DATE_EPOCH=$(dpkg-deb --fsys-tarfile "$kernel_deb" | tar -tv --full-time --utc --wildcards '*/boot/vmlinuz-*' | awk '{ print $4 "T" $5 "Z" }' | date -u -f - +%s)
+export SOURCE_DATE_EPOCH
+maintainer='The ninedot developers <maintainers@ninedot.invalid>'
 cat > "$tree/usr/share/doc/$package/copyright" << END
-Drivers of the Linux kernel, built from Debian's source package linux, version $version, unchanged: ${modules[*]}.
-Licence: GPL-2, see /usr/share/common-licenses/GPL-2; each file of the source names its authors.
+Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
+Upstream-Name: linux
+Source: https://www.kernel.org/
+Comment: Drivers of the Linux kernel, built from Debian's source package linux, version $version, unchanged: ${modules[*]}.
+ Each file of the source names its authors.
+
+Files: *
+Copyright: 1991-$(date -u -d "@$SOURCE_DATE_EPOCH" +%Y) Linus Torvalds and many others
+License: GPL-2
+
+License: GPL-2
+ On Debian systems the full text of the GNU General Public License, version 2, is in the file /usr/share/common-licenses/GPL-2.
+END
+gzip -9n > "$tree/usr/share/doc/$package/changelog.Debian.gz" << END
+$package ($version) unstable; urgency=medium
+
+  * Built from the source of this kernel.
+
+ -- $maintainer  $(LC_ALL=C date -u -R -d "@$SOURCE_DATE_EPOCH")
 END
 cat > "$tree/DEBIAN/control" << END
 Package: $package
 Version: $version
 Architecture: arm64
-Maintainer: ninedot <ninedot@localhost>
+Maintainer: $maintainer
 Section: kernel
 Priority: optional
 Depends: kmod, linux-image-$kernel (= $version) | linux-image-$kernel-unsigned (= $version)
@@ -115,9 +136,6 @@ for script in postinst postrm; do
   printf '#!/bin/sh\nset -e\n[ ! -d /lib/modules/%s/kernel ] || depmod %s\n' "$kernel" "$kernel" > "$tree/DEBIAN/$script"
   chmod 755 "$tree/DEBIAN/$script"
 done
-# The kernel's own date, so that the same kernel gives the same package.
-SOURCE_DATE_EPOCH=$(dpkg-deb --fsys-tarfile "$kernel_deb" | tar -tv --full-time --utc --wildcards '*/boot/vmlinuz-*' | awk '{ print $4 "T" $5 "Z" }' | date -u -f - +%s)
-export SOURCE_DATE_EPOCH
 rm -rf --one-file-system "$kept"
 mkdir -p "$kept"
 dpkg-deb --root-owner-group -Zxz -b "$tree" "$made.part" >> "$log" 2>&1 || fail "the package can't be made"

@@ -31,7 +31,8 @@ struct ModbusOptions {
   RegisterCodecOptions codec;
   bool allow_writes = false;
   std::chrono::milliseconds hold_time{500};  ///< HOLD releases itself after this time
-  std::uint32_t supported_commands = 0;      ///< bit n: somebody carries out Command(n); without it: exception 04
+  DeviceIdentity identity;
+  std::uint32_t supported_commands = 0;  ///< bit n: somebody carries out Command(n); without it: exception 04
   std::optional<ModbusTcpOptions> tcp;
   std::optional<ModbusRtuOptions> rtu;
 };

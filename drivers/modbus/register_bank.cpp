@@ -65,6 +65,7 @@ RegisterBlock RegisterBank::read(ClientSession& session) noexcept {
   state.commands.hold = session.held.has_value();
   state.commands.client_watchdog = session.watchdog;
   state.writes_enabled = options_.allow_writes;
+  state.identity = options_.identity;
   state.now = clock_();  // after the report was taken, so that no age is negative
   add_own_metrics(state.now, newest.metrics);
   return encode_registers(session.held ? *session.held : newest.report, newest.metrics, state, options_.codec);

@@ -2,8 +2,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <thread>
 
@@ -37,7 +40,7 @@ constexpr auto kPause = 2ms;
 struct TapArguments {
   std::string config, path = TapConfig{}.path;
   std::string out, record;
-  bool overlay = false;
+  bool overlay = false, latencies = false;
   std::uint64_t frames = 1;
 };
 
@@ -85,6 +88,26 @@ std::string report_line(const TapFrame& frame) {
       "px, ambiguity {:.3f}; {}",
       pose.position_mm[0], pose.position_mm[1], pose.position_mm[2], pose.sigma_mm[0], pose.sigma_mm[1],
       pose.sigma_mm[2], frame.landmark_id, frame.dots_used, frame.rms_px, frame.ambiguity, about);
+}
+
+/// How long frames took from the middle of the exposure to the report, all since the start: a line for each bin from
+/// the first to the last that is not empty.
+void print_latencies(const TapFrame& frame) {
+  const auto& bins = frame.latency_bins;
+  const std::uint64_t sum = std::accumulate(bins.begin(), bins.end(), std::uint64_t{0});
+  fmt::print("latency of {} frames since the start ({} processed)\n", sum, frame.frames_processed);
+  constexpr double kLongestBar = 50;
+  const std::uint32_t largest = *std::max_element(bins.begin(), bins.end());
+  std::size_t first = 0, last = bins.size();
+  while (first < last && bins[first] == 0) ++first;
+  while (last > first && bins[last - 1] == 0) --last;
+  for (std::size_t i = first; i < last; ++i) {
+    const bool is_open = i + 1 == bins.size();  // takes all that is longer than the bin before
+    const double edge_ms = kTapFirstBin_us * std::exp2(static_cast<double>(is_open ? i - 1 : i) / 4) / 1000;
+    fmt::print("{} {:>7.2f} ms {:>10} {:>6.2f} % {}\n", is_open ? "above" : "up to", edge_ms, bins[i],
+               100.0 * bins[i] / static_cast<double>(sum),
+               std::string(static_cast<std::size_t>(std::ceil(kLongestBar * bins[i] / largest)), '#'));
+  }
 }
 
 void draw(const Tap& tap, const TapCopy& copy, RgbPicture& picture) {
@@ -144,6 +167,8 @@ void run_tap(const TapArguments& arguments) {
     throw StartupError(ExitStatus::kWrongUsage, "--overlay draws into the picture of --out: name one");
   if (!arguments.out.empty() && !arguments.record.empty())
     throw StartupError(ExitStatus::kWrongUsage, "one of --out and --record at a time");
+  if (arguments.latencies && !(arguments.out.empty() && arguments.record.empty()))
+    throw StartupError(ExitStatus::kWrongUsage, "--latencies prints, and saves nothing: leave --out and --record away");
   std::string path = arguments.path;
   if (!arguments.config.empty()) {
     const Config config = read_config(arguments.config);
@@ -153,6 +178,7 @@ void run_tap(const TapArguments& arguments) {
     path = config.tap.path;
   }
   Tap tap(path, arguments.frames > 1 ? TapDemand::kEvery : TapDemand::kSome);
+  if (arguments.latencies) return print_latencies(tap.next().frame);
   if (!arguments.out.empty()) return save_picture(tap, arguments);
   if (!arguments.record.empty()) return record(tap, arguments);
   for (std::uint64_t i = 0; i < arguments.frames; ++i) fmt::print("{}\n", report_line(tap.next().frame));
@@ -169,6 +195,8 @@ void add_tap_command(CLI::App& app) {
   command->add_option("--out", arguments->out, "save the newest picture as PNG");
   command->add_flag("--overlay", arguments->overlay, "with what was found drawn into it");
   command->add_option("--record", arguments->record, "a new or empty folder: record --frames frames into it");
+  command->add_flag("--latencies", arguments->latencies,
+                    "how many frames since the service's start took how long, from the exposure to the report");
   command->add_option("--frames", arguments->frames, "how many frames to record, or lines to print; default: 1")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{999'999'999}));
   command->callback([arguments] { run_tap(*arguments); });

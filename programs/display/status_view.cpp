@@ -153,6 +153,11 @@ std::string landmark_text(const RegisterReader& r) {
   return id == kNoLandmarkYet ? std::string("?") : fmt::format("{}", id);
 }
 
+std::string version_text(const RegisterReader& r) {
+  return fmt::format("{}.{}.{}", r.integer(reg::kSoftwareMajor), r.integer(reg::kSoftwareMinor),
+                     r.integer(reg::kSoftwarePatch));
+}
+
 void add_bit_names(Text& text, std::uint32_t value, std::span<const RegisterBit> bits) {
   const char* separator = "";
   add(text, "[");
@@ -232,6 +237,9 @@ std::string status_table(const RegisterReader& r) {
         r.status(status_bit::kInhibited) ? ", INHIBITED" : "",
         r.status(status_bit::kServoFault) ? ", does NOT ANSWER" : "");
   add_metric_rows(text, r);
+  const std::string serial = r.board_serial();
+  add(text, "device     ninedot {}{}\n", version_text(r),
+      serial.empty() ? "" : ", serial number of the board " + serial);
   return fmt::to_string(text);
 }
 
@@ -239,6 +247,7 @@ std::string status_json(const RegisterReader& r) {
   Text text;
   add(text, "{{\"reason_text\":\"{}\",\"head_state_text\":\"{}\"", reason_sentence(r.integer(reg::kReason)),
       head_state_name(r));
+  add(text, ",\"software_version\":\"{}\",\"board_serial\":\"{}\"", version_text(r), r.board_serial());
   for (const RegisterEntry& entry : kRegisterMap) {
     if (entry.scale_is_configured) continue;  // a client does not know the scale; the 32-bit values say the same
     add(text, ",\"{}\":", entry.name);

@@ -7,27 +7,15 @@ import re
 import sys
 import time
 
+import field_checks
 from qemu_board import Board, Failure
+from reporting import note, require, table
 
 MAGIC, STATUS_VALID = 0x9D09, 1
 BOOT_LIMIT_S = 300  # a busy machine emulates slowly
 TOKEN = "0123456789abcdef0123456789abcdef"  # as boot_test.sh has it
 CONFIG = "/etc/ninedot/ninedot.toml"
 DRIVERS = {"bcm2835-unicam", "imx219", "imx296", "ov5647", "ov9282", "pwm-pca9685", "sc16is7xx", "sc16is7xx_i2c", "sc16is7xx_spi", "v4l2-cci"}
-
-table = []
-
-
-def note(what, seen):
-    """One row of the table that is printed at the end, and at once for whoever watches."""
-    table.append((what, seen))
-    print(f"ok: {what}: {seen}", flush=True)
-
-
-def require(condition, what):
-    if not condition:
-        raise Failure(what)
-
 
 def wait_for_pose(board, limit_s=BOOT_LIMIT_S):
     """Returns seconds until Modbus reports a valid pose that is followed by another one"""
@@ -87,7 +75,7 @@ def check_first_boot(board, work):
     require(board.run("cat /proc/sys/kernel/hostname") == "cabinet-7", "the hostname was not taken over")
     require("10.0.2.77" in board.run("ip -4 -brief address"), "the network file was not taken over")
     status, said = board.log_in("systemctl is-active ninedotd")
-    require((status, said) == (0, "active"), f"login by key: {status}, {said}")
+    require((status, said) == (0, "active"), f"login by key: {status}, {said}; " + board.run("journalctl -u ninedotd -n 12 -o short-monotonic --no-pager"))
     note("configuration from the FAT partition", "ninedot.toml, hostname, network, authorized_keys taken over; login by key")
 
 
@@ -279,9 +267,16 @@ def main():
         check_first_boot(board, arguments.work)
         check_system(board)
         check_drivers(board)
+        field_checks.check_kernel(board)
+        field_checks.check_identity(board)
+        field_checks.check_diagnosis(board)
+        field_checks.check_latency(board)
+        field_checks.check_clock(board)
+        field_checks.check_wifi(board)
         check_told_overlay(board)
         check_page(board)
         check_restarts(board)
+        field_checks.check_kept_journal(board, start_again)
         check_power_cuts(board, arguments.power_cuts, random.Random("power cuts"))
         check_new_configuration(board, arguments.work)
         check_lost_storage(board, arguments.work)

@@ -1,6 +1,7 @@
 """The board image in QEMU: power on and off, a root shell on its virtual console, Modbus TCP through its emulated network."""
 
 import http.client
+import os
 import re
 import socket
 import struct
@@ -9,6 +10,8 @@ import time
 
 COMMAND_LINE = ("root=PARTUUID=39444f54-02 ro panic=10 systemd.gpt_auto=0 console=ttyAMA0 quiet loglevel=3 systemd.show_status=0 "
                 "mitigations=off audit=0 systemd.getty_auto=0 systemd.debug_shell=hvc0")
+MACHINE = ["-M", "virt", "-cpu", "cortex-a53", "-smp", "2", "-m", "1G"]
+BOARD_SERIAL = "10000000a1b2c3d4"  # as long as a Raspberry Pi's
 
 
 class Failure(Exception):
@@ -31,10 +34,20 @@ class Board:
         self.port, self.ssh_port, self.page_port = free_port(), free_port(), free_port()
         self.asked = 0
 
+    def device_tree(self):
+        """Returns the machine's own tree with a serial number, as a board's firmware puts one there"""
+        path = f"{self.work}/board.dtb"
+        if not os.path.exists(path):
+            subprocess.run(["qemu-system-aarch64", *MACHINE[:1], f"{MACHINE[1]},dumpdtb={path}.new", *MACHINE[2:], "-display", "none"],
+                           stdin=subprocess.DEVNULL, capture_output=True, check=True)
+            subprocess.run(["fdtput", "-t", "s", f"{path}.new", "/", "serial-number", BOARD_SERIAL], check=True)
+            os.rename(f"{path}.new", path)
+        return path
+
     def power_on(self):
         path = f"{self.work}/console.sock"
         self.qemu = subprocess.Popen(
-            ["qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a53", "-smp", "2", "-m", "1G", "-accel", "tcg,thread=multi",
+            ["qemu-system-aarch64", *MACHINE, "-dtb", self.device_tree(), "-accel", "tcg,thread=multi",
              "-kernel", self.kernel, "-initrd", self.initrd, "-append", COMMAND_LINE,
              "-drive", f"file={self.work}/board.img,format=raw,if=none,id=d0", "-device", "virtio-blk-pci,drive=d0",
              "-netdev", f"user,id=n0,hostfwd=tcp:127.0.0.1:{self.port}-:1502,hostfwd=tcp:127.0.0.1:{self.ssh_port}-:22,"

@@ -74,8 +74,8 @@ TEST_F(ModbusRequest, AWindowShowsTheSameRegistersAsTheWholeMap) {
 }
 
 TEST_F(ModbusRequest, AddressesBeyondTheMapAreException02) {
-  EXPECT_EQ(ask(read_pdu(148, 1)), exception(3, ModbusException::kIllegalAddress));
-  EXPECT_EQ(ask(read_pdu(147, 2)), exception(3, ModbusException::kIllegalAddress));
+  EXPECT_EQ(ask(read_pdu(159, 1)), exception(3, ModbusException::kIllegalAddress));
+  EXPECT_EQ(ask(read_pdu(158, 2)), exception(3, ModbusException::kIllegalAddress));
   EXPECT_EQ(ask(read_pdu(24, 125, 4)), exception(4, ModbusException::kIllegalAddress));
   EXPECT_EQ(ask(read_pdu(65535, 125)), exception(3, ModbusException::kIllegalAddress)) << "the end must not wrap";
 }

@@ -41,7 +41,8 @@ TEST(StatusTable, SaysPoseUncertaintyHeadAndHealthInTheRegistersUnits) {
             "           serial line LOST 15 times, serial line open\n"
             "servos     head LOST 16 times, pulses off by 7 us (p99), max 21\n"
             "search     17 runs cut, 18 blobs cut, 19 hypotheses cut, 20 neighbours cut,\n"
-            "           21 frames searched in part\n");
+            "           21 frames searched in part\n"
+            "device     ninedot 1.20.300, serial number of the board 10000000a1b2c3d\n");
 }
 
 TEST(StatusTable, SaysWhosePoseItIsAndNamesTheAnglesThatAreAskedFor) {
@@ -83,7 +84,7 @@ TEST(StatusTable, LeavesTheHeadOutWhereThereIsNoneAndFitsIntoAHundredColumns) {
   const RegisterBlock registers = registers_of(report, MetricValues{});
   const std::string table = status_table(make_reader(registers));
   EXPECT_EQ(table.find("head"), std::string::npos);
-  EXPECT_EQ(std::ranges::count(table, '\n'), 11) << "what has never happened takes no room\n" << table;
+  EXPECT_EQ(std::ranges::count(table, '\n'), 12) << "what has never happened takes no room\n" << table;
   std::istringstream lines(table);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100U) << line;
 }

@@ -96,6 +96,7 @@ inline ServerState known_server_state(MonoTime now) {
   server.commands.pan_set_point_deg = 45;
   server.commands.tilt_set_point_deg = -10;
   server.commands.client_watchdog = std::chrono::milliseconds(500);
+  server.identity = {{1, 20, 300}, {'1', '0', '0', '0', '0', '0', '0', '0', 'a', '1', 'b', '2', 'c', '3', 'd'}};
   return server;
 }
 
