@@ -17,9 +17,13 @@ struct LandmarkGeometry {
   double dot_radius_m = 0.0127;
   double centre_radius_m = 0.0254;
 
-  /// White paper reaches this far from the middle of P9 in all directions (the sheet of `ninedot pattern` leaves nearly
-  /// a dot's radius around the ring; A4 is no wider). Beyond it there may be anything.
+  /// White paper reaches this far from the middle of P9 along both of the sheet's axes (the square that `ninedot
+  /// pattern` prints leaves nearly a dot's radius around the ring; A4 is no wider). Beyond it there may be anything.
   double paper_radius_m() const noexcept { return ring_radius_m + (1 + kWhite_radii) * dot_radius_m; }
+  /// From a dot's outline to the nearest side of that square, straight [m].
+  double white_beside_m(std::size_t dot) const noexcept {
+    return paper_radius_m() - centre_m(dot).cwiseAbs().maxCoeff() - radius_m(dot);
+  }
   static constexpr double kWhite_radii = 12.3 / 12.7;  ///< at the default size 12.3 mm: the sheet's side is 210 mm
 
   double radius_m(std::size_t dot) const noexcept { return dot == kCentreDot ? centre_radius_m : dot_radius_m; }

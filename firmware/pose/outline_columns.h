@@ -10,13 +10,12 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/inline_vector.h"
+#include "pose/blurred_disc.h"
 #include "pose/outline_pixels.h"
 #include "pose/outline_state.h"
 
 namespace ninedot {
-
-inline constexpr std::size_t kLanes = 8;  ///< pixels at a time: loops over lanes become vector instructions
-using Lanes = std::array<float, kLanes>;
 
 /// The columns: the unknowns' derivatives for contrast 1 [1/m] (pose), [1/px] (offset), [1/px^2] (blur); the grey level
 /// [LSB]; then the group's own [1], so that a group without the last ones ends earlier.
@@ -29,10 +28,6 @@ using OutlineColumns = std::array<Lanes, kColumns>;
 inline constexpr std::size_t kMaxBatches = 8;
 using ColumnBatches = std::array<OutlineColumns, kMaxBatches>;
 
-/// What is asked of a group: nothing but residuals, contrast and paper; or also what moves its outline: the unknowns of
-/// the state, or in place of those of the pose and the offset the shape of its dot (outline_shape.h).
-enum class Asked : std::uint8_t { kLightOnly, kState, kShape };
-
 /// What all pixels of a dot share, at one state.
 struct DotView {
   DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const OutlineState& state, std::size_t dot);
@@ -43,7 +38,9 @@ struct DotView {
   Eigen::Vector2f origin;            ///< the sheet's origin along its axes [m], seen from the camera
   Eigen::Vector2f middle;            ///< the dot's middle, likewise [m]
   Eigen::Vector2f px_X, px_Z, px_n;  ///< change of a ray per pixel along the sheet's axes, and along its normal [1/px]
-  Eigen::Vector2f outward;  ///< unit vector from the landmark's middle through the dot's; the centre dot has none (0)
+  /// Where what lies beyond the white begins, along the sheet's axes: unit vectors, square to them at the paper's
+  /// radius [1]. P9 has none, most dots one; a dot on a diagonal that sees two of the square's sides has both.
+  InlineVector<Eigen::Vector2f, 2> beyond;
   float radius_m, paper_radius_m;
   float bend;  ///< what the outline's curvature times (slope / depth)^3 is, over depth^3 [1/m^3 px^2]
   float blur_px2, blur_cos_px2, blur_sin_px2, offset_px;
@@ -62,7 +59,7 @@ struct PixelRange {
 /// columns before kGreyColumn are not touched. kShape: those of pose and offset say how the grey levels change when the
 /// outline moves out by h(angle) [px], where h is each of 1, cos, sin of the angle on the sheet, of twice and of four
 /// times the angle [1/px]. Memory: none. Threads: pure.
-void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, PixelRange range,
-                  Asked asked, ColumnBatches& batches) noexcept;
+void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, const BlurredDisc& disc,
+                  PixelRange range, Asked asked, ColumnBatches& batches) noexcept;
 
 }  // namespace ninedot

@@ -15,6 +15,8 @@ namespace {
 constexpr double kWholeDotBelow_px = 7.0;  // semi-minor axis; larger dots are cut into stretches of kSector_px:
 constexpr double kSector_px = 12.0;    // in a band of 5 px 60 pixels, enough for two grey levels and a shift of 0.01 px
 constexpr double kBlurReach_px = 2.0;  // beyond the band, from where an edge still changes the band's outermost pixels
+// A neighbour's blurred ink is a hundredth of its contrast at three quarters of the band: 2.3 sigmas of the blur.
+constexpr double kReachOfBand = 0.75;
 constexpr double kSplitAbove_px = 2.0;  // semi-minor axis; an eighth of a smaller outline is less than two pixels
 
 /// One dot's outline in the picture, as an ellipse.
@@ -98,9 +100,34 @@ OutlinePixels::OutlinePixels(std::size_t capacity)
 
 namespace {
 
+/// The other dots whose blurred ink reaches into the band around one.
+using Neighbours = InlineVector<const DotEllipse*, kDotCount>;
+
+/// About how far a pixel lies from an outline, outside positive.
+double distance_px(const DotEllipse& e, const Eigen::Vector2d& px) noexcept {
+  const Eigen::Vector2d q = e.circle_from_px * (px - e.centre_px);
+  const double radius = q.norm();
+  return radius > 0 ? (radius - 1) * radius / (e.circle_from_px.transpose() * q).norm() : -e.semi_minor_px;
+}
+
+/// Whether two outlines may come nearer to each other than `gap_px`.
+bool are_close(const DotEllipse& a, const DotEllipse& b, double gap_px) noexcept {
+  return (a.centre_px - b.centre_px).norm() < a.semi_major_px + b.semi_major_px + gap_px;
+}
+
+/// Whether a pixel sees a neighbour's ink: what it sees of both is no one's outline.
+bool sees_another(const Neighbours& neighbours, const DotEllipse& own, const Eigen::Vector2d& px,
+                  double reach_px) noexcept {
+  for (const DotEllipse* other : neighbours) {
+    const double to_other_px = distance_px(*other, px);
+    if (to_other_px < reach_px && to_other_px < distance_px(own, px)) return true;
+  }
+  return false;
+}
+
 /// Appends one dot's pixels, sorted into its sectors. \return false when they do not fit
-bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e, const RowShift& shift,
-                std::uint8_t dot, double band_px, int thin, bool split, bool at_paper_edge,
+bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e, const Neighbours& neighbours,
+                const RowShift& shift, std::uint8_t dot, double band_px, int thin, bool split, bool at_paper_edge,
                 OutlinePixels& out) noexcept {
   const bool small = e.semi_minor_px < kWholeDotBelow_px;
   const bool whole = small && !(split && e.semi_minor_px > kSplitAbove_px);
@@ -129,6 +156,7 @@ bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e
         continue;
       }
       if (thin > 1 && (x + 2 * y) % thin != 0) continue;
+      if (!neighbours.empty() && sees_another(neighbours, e, {x, y}, kReachOfBand * band_px)) continue;
       std::size_t sector = 0;
       if (!whole) {
         const Eigen::Vector2d q = e.circle_from_px * Eigen::Vector2d(x - e.centre_px.x(), y - e.centre_px.y());
@@ -206,8 +234,12 @@ void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, co
     const std::size_t before = out.groups.size();
     const double white_px = ellipses[dot].semi_minor_px * LandmarkGeometry::kWhite_radii;
     const bool at_paper_edge = dot != kCentreDot && white_px < band_px + kBlurReach_px;
-    if (!append_dot(luma, rays, ellipses[dot], shifts[dot], static_cast<std::uint8_t>(dot), band_px, thin, split[dot],
-                    at_paper_edge, out))
+    Neighbours neighbours;
+    for (std::size_t other = 0; other < kDotCount; ++other)
+      if (other != dot && in_front[other] && are_close(ellipses[dot], ellipses[other], (1 + kReachOfBand) * band_px))
+        (void)neighbours.try_push_back(&ellipses[other]);  // as many as dots
+    if (!append_dot(luma, rays, ellipses[dot], neighbours, shifts[dot], static_cast<std::uint8_t>(dot), band_px, thin,
+                    split[dot], at_paper_edge, out))
       return;
     out.visible_outlines += out.groups.size() > before;
   }

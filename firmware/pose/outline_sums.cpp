@@ -137,11 +137,12 @@ void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const Lan
 
   const std::size_t first = asked == Asked::kLightOnly ? kGreyColumn : 0, end = kPaperColumn + own;
   const DotView view(pixels, landmark, state, group.dot);
+  const BlurredDisc disc(pixels, landmark, state, group.dot, asked);
   ProductSums sums{};
   alignas(16) ColumnBatches batches;
   for (std::size_t at = 0; at < count; at += kLanes * kMaxBatches) {
     const std::size_t used = std::min(kLanes * kMaxBatches, count - at);
-    fill_columns(pixels, group, view, {static_cast<std::size_t>(group.first) + at * every, used, every}, asked,
+    fill_columns(pixels, group, view, disc, {static_cast<std::size_t>(group.first) + at * every, used, every}, asked,
                  batches);
     kAddProducts[(used - 1) / kLanes](batches, first, end, sums);
   }

@@ -51,6 +51,10 @@ constexpr double kColouredSize = 0.04;  // beside kMostSize
 // less than so much beside the limits above, in shares of the blur's second harmonic and of its excess over a sharp
 // one.
 constexpr double kPerAlong = 3, kSharp_px2 = 0.9, kPerBlur = 2;
+// Four corners are blurred away first: of dots of two sigmas what a profile that is no Gaussian leaves of the contrast
+// (1 % of it, drawn dots of 4.6 px) looks like 0.1 of them, which is what a square of that size has. From three on they
+// can be told.
+constexpr double kFourthPerBlur = 0.55, kBlurThatHides = 0.1;
 // Of P9's outline. A straight edge that leaves five ring dots leaves two thirds of P9's outline, one that leaves four a
 // quarter: half of that, for the dots beside the edge count as whole when they are not quite.
 constexpr double kCentreBesideFive = 0.33, kCentreBesideFour = 0.12;
@@ -67,9 +71,11 @@ bool are_discs(const PoseCandidate& candidate, bool is_coloured) noexcept {
   const auto& visible = candidate.visible_share;
   const bool ring_is_whole =
       std::all_of(visible.begin(), visible.begin() + kRingDotCount, [](double share) { return share >= kWholeDot; });
+  const double hidden = std::max(std::max(candidate.outlines.blur_px2, 0.0) / r2_px2 - kBlurThatHides, 0.0);
+  const double most_fourth = kMostFourth + kFourthPerBlur * hidden;
   const double most_size = kMostSize + (is_coloured ? kColouredSize : 0);
   const bool centre_is_other = !is_coloured && shape.centre_size > kMostCentreSize + kPerBlur * smeared;
-  return shape.size <= most_size && shape.second <= kMostSecond + kPerAlong * along && shape.fourth <= kMostFourth &&
+  return shape.size <= most_size && shape.second <= kMostSecond + kPerAlong * along && shape.fourth <= most_fourth &&
          shape.absent == 0 && shape.hollow == 0 && !(ring_is_whole && (shape.centre > kMostAside || centre_is_other));
 }
 

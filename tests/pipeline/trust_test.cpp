@@ -118,7 +118,7 @@ TEST_P(Trust, ARollBetweenTwoNumberingsIsAmbiguousAndTheRivalIsTheOtherOne) {
 }
 
 TEST(TrustFull, WhatIsKnownTooRoughlyIsFoundAndNotValid) {
-  const Look look(scene_at({.distance_m = 6, .tilt_rad = 0.5}, 8));
+  const Look look(scene_at({.distance_m = 6, .tilt_rad = 0.5}, 11));
   ASSERT_TRUE(look.report.found);
   EXPECT_FALSE(look.report.valid);
   EXPECT_TRUE(look.report.reason == Reason::kUncertain || look.report.reason == Reason::kAmbiguous)

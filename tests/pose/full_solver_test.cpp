@@ -115,6 +115,28 @@ TEST(FullSolver, WhatLiesBeyondThePapersEdgeDoesNotPullDistantLandmarks) {
   EXPECT_LT(sigma_of_mean, 8e-5);
 }
 
+/// Motion makes each of the small dots longer one way, which is what a tilt across it does: by the way in which their
+/// blurred outlines bend the two can be told apart, and the ring knows better anyway.
+TEST(FullSolver, MotionOfADistantLandmarkIsNoTilt) {
+  double sum = 0;
+  int poses = 0;
+  for (int i = 0; i < 12; ++i) {
+    const test::Scene scene = scene_at({.distance_m = 5, .tilt_rad = 25 * kDegree, .azimuth_rad = 0.52 * i}, 1.0);
+    const test::Exposure still = test::expose(scene);
+    test::Exposure moved = still;
+    for (std::size_t at = 1; at + 1 < still.light.size(); ++at)
+      moved.light[at] = (still.light[at - 1] + still.light[at] + still.light[at + 1]) / 3;
+    const auto pose = pose_of(test::read_out(moved, scene.sensor, static_cast<std::uint64_t>(i)));
+    ASSERT_TRUE(pose.has_value()) << i;
+    const Errors e = errors_of(scene, *pose);
+    EXPECT_LT(e.pose.head<3>().norm(), 0.12) << i;
+    sum += e.normalised2;
+    ++poses;
+  }
+  RecordProperty("mean_normalised_error_squared", std::to_string(sum / poses));
+  EXPECT_LT(sum / poses, 12);
+}
+
 TEST(FullSolver, HardShadowAcrossTheSheetCostsLessThanHalfAPercent) {
   test::Scene scene = scene_at({.distance_m = 2, .tilt_rad = 20 * kDegree});
   scene.light.shadows.push_back(
@@ -184,13 +206,14 @@ TEST(FullSolver, LooksAtTheMirrorImageAlsoWhereBothStartsAreOne) {
 
 TEST(FullSolver, ErrsWithinItsCovarianceWhereViewsAreNearlyFrontal) {
   double sum = 0;
-  int poses = 0;
+  int poses = 0, undetermined = 0;
   for (int i = 0; i < 40; ++i) {
     const test::Scene scene = scene_at(
         {.distance_m = 3 + 1.5 * std::fmod(0.12 * i, 1), .tilt_rad = 0.085 * i * kDegree, .azimuth_rad = 2.4 * i},
         1 + 2 * std::fmod(0.18 * i, 1));
     const auto pose = pose_of(test::render(scene, static_cast<std::uint64_t>(i)));
-    ASSERT_TRUE(pose.has_value()) << i;
+    undetermined += !pose;  // sideways by more than a tenth of the distance
+    if (!pose) continue;
     const Errors e = errors_of(scene, *pose);
     if (pose->ambiguity > 0.01) continue;
     EXPECT_LT(e.normalised2, 36) << i;
@@ -200,6 +223,7 @@ TEST(FullSolver, ErrsWithinItsCovarianceWhereViewsAreNearlyFrontal) {
   const double error_over_sigma = std::sqrt(sum / (6 * poses));
   RecordProperty("poses", poses);
   RecordProperty("error_over_sigma", std::to_string(error_over_sigma));
+  EXPECT_LE(undetermined, 2);
   EXPECT_GE(poses, 18);
   EXPECT_GT(error_over_sigma, 0.8);
   EXPECT_LT(error_over_sigma, 1.15);

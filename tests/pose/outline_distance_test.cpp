@@ -128,9 +128,10 @@ TEST(OutlineDistance, AgreesWithTheColumnsThatTheSolverUses) {
   int compared = 0;
   for (const OutlineGroup& group : pixels.groups) {
     const DotView view(pixels, {}, state, group.dot);
+    const BlurredDisc disc(pixels, {}, state, group.dot, Asked::kState);
     ColumnBatches batches{};
     const auto first = static_cast<std::size_t>(group.first);
-    fill_columns(pixels, group, view, {first, 1}, Asked::kState, batches);
+    fill_columns(pixels, group, view, disc, {first, 1}, Asked::kState, batches);
     const OutlineColumns& columns = batches[0];
     const Eigen::Vector2d pixel_px(static_cast<double>(pixels.x_px[first]), static_cast<double>(pixels.y_px[first]));
     const OutlineDistance exact = *outline_distance(camera, {}, T, group.dot, pixel_px);

@@ -1,0 +1,154 @@
+#include "pose/blurred_disc.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+
+#include "pose/normal_tail.h"
+
+namespace ninedot {
+namespace {
+
+// Sigmas of the blur from node to node: the trapezoidal rule leaves 2e-4 of the contrast (blurred_disc_test.cpp).
+constexpr double kSpacing = 1.3;
+constexpr std::size_t kLeastNodes = 6;
+// Below a pixel's own 1/12 and a bit, an edge is no Gaussian's (outline_columns.cpp has the same).
+constexpr double kLeastVariance_px2 = 0.1;
+constexpr float kNotAtNode = 1e-4F;  // keeps (1 - exp(-t)) / t finite and exact to a float at a node itself
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) noexcept { return a.x() * b.y() - a.y() * b.x(); }
+
+/// From pixels to sigmas of the blur: the inverse of its covariance's Cholesky factor.
+Eigen::Matrix2d sigma_per_px(const OutlineState& state) noexcept {
+  const double xx = std::max(state.blur_px2 + state.blur_cos_px2, kLeastVariance_px2), xy = state.blur_sin_px2;
+  const double x = std::sqrt(xx), yx = xy / x;
+  const double y = std::sqrt(std::max(state.blur_px2 - state.blur_cos_px2 - yx * yx, kLeastVariance_px2));
+  Eigen::Matrix2d W;
+  W << 1 / x, 0, -yx / (x * y), 1 / y;
+  return W;
+}
+
+}  // namespace
+
+BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const OutlineState& state,
+                         std::size_t dot, Asked asked) noexcept {
+  const CameraFromLandmark& T = state.T_camera_landmark;
+  const Eigen::Vector3d X = T.rotation.col(0), n = T.rotation.col(1), Z = T.rotation.col(2);
+  const Eigen::Vector2d C = landmark.centre_m(dot);
+  const double r_m = landmark.radius_m(dot);
+  const Eigen::Vector3d middle_m = T.translation_m + C.x() * X + C.y() * Z;
+  const Eigen::Vector2d middle = middle_m.hnormalized();
+  const Eigen::Matrix2d px_per_ray = pixels.normalised_per_px[dot].inverse();
+  const Eigen::Matrix2d W = sigma_per_px(state);
+  // How a ray moves when the sheet's point does.
+  const auto ray_by = [](const Eigen::Vector3d& p_m, const Eigen::Vector3d& move) -> Eigen::Vector2d {
+    return (move.head<2>() - p_m.hnormalized() * move.z()) / p_m.z();
+  };
+  Eigen::Matrix2d circle;
+  circle << W * px_per_ray * ray_by(middle_m, r_m * X), W * px_per_ray * ray_by(middle_m, r_m * Z);
+  const double semi_major = std::sqrt(
+      0.5 * (circle.squaredNorm() +
+             std::sqrt(std::max(std::pow(circle.squaredNorm(), 2) - 4 * std::pow(circle.determinant(), 2), 0.0))));
+  const double wanted = 2 * std::numbers::pi * semi_major / kSpacing;
+  if (!(wanted <= static_cast<double>(kMaxNodes))) return;
+  count_ = std::max(kLeastNodes, static_cast<std::size_t>(std::ceil(wanted)));
+  middle_ray_ = middle.cast<float>();
+  sigma_per_ray_ = (W * px_per_ray).cast<float>();
+
+  const double step = 2 * std::numbers::pi / static_cast<double>(count_);
+  const double turns = circle.determinant() > 0 ? 1 : -1;  // which way round the angle goes in the picture
+  for (std::size_t i = 0; i < count_; ++i) {
+    Node& node = nodes_[i];
+    const double a = step * static_cast<double>(i), cos = std::cos(a), sin = std::sin(a);
+    const double x_m = C.x() + r_m * cos, z_m = C.y() + r_m * sin;
+    const Eigen::Vector3d p_m = T.translation_m + x_m * X + z_m * Z;
+    // In pixels from the dot's middle.
+    const Eigen::Vector2d along_px = turns * step * (px_per_ray * ray_by(p_m, r_m * (cos * Z - sin * X)));
+    const Eigen::Vector2d outwards_px = Eigen::Vector2d(along_px.y(), -along_px.x()).normalized();
+    const Eigen::Vector2d at_px = px_per_ray * (p_m.hnormalized() - middle) + state.offset_px * outwards_px;
+    const Eigen::Vector2d at = W * at_px, part = W * along_px;
+    node.x = static_cast<float>(at.x()), node.y = static_cast<float>(at.y());
+    node.part_x = static_cast<float>(part.x() / (4 * std::numbers::pi));
+    node.part_y = static_cast<float>(part.y() / (4 * std::numbers::pi));
+    if (asked == Asked::kLightOnly) continue;
+
+    const double per_area = W.determinant() / (2 * std::numbers::pi);
+    const auto swept = [&](const Eigen::Vector2d& move_px) {
+      return static_cast<float>(per_area * cross(move_px, along_px));
+    };
+    if (asked == Asked::kState) {
+      const auto swept_by = [&](const Eigen::Vector3d& move) { return swept(px_per_ray * ray_by(p_m, move)); };
+      node.moves = {swept_by(-z_m / kLever_m * n),
+                    swept_by((z_m * X - x_m * Z) / kLever_m),
+                    swept_by(x_m / kLever_m * n),
+                    swept_by(X),
+                    swept_by(n),
+                    swept_by(Z),
+                    swept(outwards_px)};
+    } else {
+      const float out = swept(outwards_px);
+      const auto times = [&](double harmonic) { return static_cast<float>(harmonic) * out; };
+      node.moves = {out,
+                    times(cos),
+                    times(sin),
+                    times(std::cos(2 * a)),
+                    times(std::sin(2 * a)),
+                    times(std::cos(4 * a)),
+                    times(std::sin(4 * a))};
+    }
+    // More blur along x, along y and across: half of the second derivatives (the heat equation).
+    const Eigen::Vector2d across_px(along_px.y(), -along_px.x());  // outwards, as long as the part
+    const std::array<Eigen::Vector2d, kBlurColumns> blur{W * across_px,
+                                                         W * Eigen::Vector2d(across_px.x(), -across_px.y()),
+                                                         W * Eigen::Vector2d(across_px.y(), across_px.x())};
+    for (std::size_t k = 0; k < kBlurColumns; ++k) {
+      node.blur_x[k] = static_cast<float>(0.5 * per_area * blur[k].x());
+      node.blur_y[k] = static_cast<float>(0.5 * per_area * blur[k].y());
+    }
+  }
+}
+
+template <bool kWithColumns>
+void BlurredDisc::sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes& share,
+                         std::array<Lanes, kMoveColumns>* by_moves,
+                         std::array<Lanes, kBlurColumns>* by_blur) const noexcept {
+  const float xx = sigma_per_ray_(0, 0), xy = sigma_per_ray_(0, 1), yx = sigma_per_ray_(1, 0),
+              yy = sigma_per_ray_(1, 1), middle_x = middle_ray_.x(), middle_y = middle_ray_.y();
+  Lanes x, y;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const float rx = ray_x[l] - middle_x, ry = ray_y[l] - middle_y;
+    x[l] = xx * rx + xy * ry, y[l] = yx * rx + yy * ry;
+  }
+  Lanes sum{};
+  std::array<Lanes, kMoveColumns> moves{};
+  std::array<Lanes, kBlurColumns> blur{};
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Node node = nodes_[i];
+    Lanes weight, along_x, along_y;
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const float dx = node.x - x[l], dy = node.y - y[l], t = 0.5F * (dx * dx + dy * dy) + kNotAtNode;
+      const float e = exp_of_negative(-t);
+      sum[l] += (1 - e) / t * (dx * node.part_y - dy * node.part_x);
+      weight[l] = e, along_x[l] = e * dx, along_y[l] = e * dy;
+    }
+    if constexpr (!kWithColumns) continue;
+    for (std::size_t c = 0; c < kMoveColumns; ++c)
+      for (std::size_t l = 0; l < kLanes; ++l) moves[c][l] -= weight[l] * node.moves[c];
+    for (std::size_t k = 0; k < kBlurColumns; ++k)
+      for (std::size_t l = 0; l < kLanes; ++l) blur[k][l] += along_x[l] * node.blur_x[k] + along_y[l] * node.blur_y[k];
+  }
+  share = sum;
+  if constexpr (kWithColumns) *by_moves = moves, *by_blur = blur;
+}
+
+void BlurredDisc::ink_share(const Lanes& ray_x, const Lanes& ray_y, Lanes& share) const noexcept {
+  sum_up<false>(ray_x, ray_y, share, nullptr, nullptr);
+}
+
+void BlurredDisc::ink_share(const Lanes& ray_x, const Lanes& ray_y, Lanes& share,
+                            std::array<Lanes, kMoveColumns>& by_moves,
+                            std::array<Lanes, kBlurColumns>& by_blur) const noexcept {
+  sum_up<true>(ray_x, ray_y, share, &by_moves, &by_blur);
+}
+
+}  // namespace ninedot
