@@ -39,7 +39,8 @@ WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
     for (std::size_t other = 0; other < landmark.candidates.list.size(); ++other) {
       const PoseCandidate& mirror = landmark.candidates.list[other];
       const double above_chi2 = mirror.chi2_above - believed.chi2_above;
-      if (other == landmark.chosen || !mirror.refined || above_chi2 > kExcluded_chi2) continue;
+      // A rough one will do: whoever joins sightings fits it to their rays.
+      if (other == landmark.chosen || above_chi2 > kExcluded_chi2) continue;
       seen.mirror = mirror.pose.T_landmark_camera.inverse();
       seen.mirror_chi2_above = above_chi2;
     }
@@ -52,7 +53,8 @@ WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
     (void)which.try_push_back(i);
   }
   const auto forecast = filter_.forecast(frame.exposed_at());
-  const WorldPrior prior = forecast ? WorldPrior{forecast->T_world_camera, forecast->covariance} : WorldPrior{};
+  const WorldPrior prior =
+      forecast ? WorldPrior{forecast->T_world_camera, forecast->covariance, forecast->ambiguity} : WorldPrior{};
   WorldPose world = room_->world.solve(sighted.span(), forecast ? &prior : nullptr);
   double nearest_m = std::numeric_limits<double>::infinity();
   for (const SightedLandmark& seen : sighted)

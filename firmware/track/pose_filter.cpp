@@ -91,7 +91,11 @@ FilterVerdict PoseFilter::start(MonoTime exposed_at, const FrameView& frame,
     const auto crest =
         climb(frame, reading.turn, shares().own, {reading.T_world_camera}, reading.T_world_camera, kGate_chi2);
     if (!crest || modes_.full()) continue;
-    if (crest->covariance.topLeftCorner<3, 3>().trace() > kMaxStartSigma_m * kMaxStartSigma_m) continue;
+    // A crest that says too little to begin with is not excluded by that: the others would seem to be alone.
+    if (crest->covariance.topLeftCorner<3, 3>().trace() > kMaxStartSigma_m * kMaxStartSigma_m) {
+      modes_.clear();
+      return FilterVerdict::kNothing;
+    }
     PoseMode mode = mode_at_rest(*crest, reading.turn, shares(), kStartSpeed_m_s, kStartTurning_rad_s);
     mode.log_motion = -reading.chi2_above / 2;
     static_cast<void>(modes_.try_push_back(mode));
@@ -244,7 +248,8 @@ std::optional<PoseFilter::Forecast> PoseFilter::forecast(MonoTime time) const no
   if (!can_answer(time)) return {};
   PoseMode mode = modes_[0];
   if (const double dt_s = seconds(time - newest_at_); dt_s > 0) mode.predict(dt_s, noise_, kCommonLasts_s);
-  return Forecast{mode.motion.T_world_camera, mode.whole_covariance().topLeftCorner<6, 6>()};
+  const double ambiguity = at(time)->ambiguity;  // it can answer
+  return Forecast{mode.motion.T_world_camera, mode.whole_covariance().topLeftCorner<6, 6>(), ambiguity};
 }
 
 }  // namespace ninedot

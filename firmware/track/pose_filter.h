@@ -91,6 +91,7 @@ class PoseFilter {
   struct Forecast {
     WorldFromCamera T_world_camera;
     PoseInformation covariance;  ///< of PoseSteps [m^2, m rad, rad^2]
+    double ambiguity;            ///< odds that another hypothesis is the right one, 0..1
   };
   std::optional<Forecast> forecast(MonoTime time) const noexcept;  ///< none: as at()
 

@@ -78,6 +78,13 @@ double left_out_chi2(const Scene& scene, const Members& members, const JointFit&
                         rest_gradient);
 }
 
+/// What speaks against a place that the track does not foretell: at most that it may itself be wrong.
+double most_prior_cost(const Scene& scene) noexcept {
+  const double ambiguity = scene.prior() != nullptr ? scene.prior()->ambiguity : 0;
+  const double most = scene.options().max_disagreement_chi2;
+  return ambiguity > 0 ? std::min(most, -2 * std::log(ambiguity)) : most;
+}
+
 double prior_cost(const Scene& scene, const Hypothesis& hypothesis) noexcept {
   if (scene.prior() == nullptr) return 0;
   const PoseStep step = step_between(scene.prior()->T_world_camera, hypothesis.T_world_camera);
@@ -227,7 +234,7 @@ bool settle(const Scene& scene, Hypothesis& hypothesis) noexcept {
   hypothesis.cost = disagreement + numbering_cost(scene, hypothesis);
   const double from_prior = prior_cost(scene, hypothesis);
   hypothesis.agrees_with_prior = from_prior <= scene.options().max_disagreement_chi2;
-  hypothesis.cost += std::min(from_prior, scene.options().max_disagreement_chi2);
+  hypothesis.cost += std::min(from_prior, most_prior_cost(scene));
   for (std::size_t i = 0; i < scene.seen().size(); ++i)
     if (!hypothesis.choices[i].is_made()) hypothesis.cost += scene.leave_out_cost(i);
   return true;

@@ -28,6 +28,8 @@ struct SightedLandmark {
 struct WorldPrior {
   WorldFromCamera T_world_camera;
   PoseCovariance covariance = PoseCovariance::Zero();  ///< of a PoseStep [m^2, m rad, rad^2]
+  /// Odds that the camera is elsewhere altogether, 0..1: a track whose own readings are open decides no more than that.
+  double ambiguity = 0;
 };
 
 /// Whether a pose in the world may be acted on.

@@ -157,6 +157,7 @@ TEST(PoseFilterRules, TwoNumberingsAreFollowedWithTheirOddsUntilAFrameTellsThemA
   const TrackedPose tracked = filter.at(instant(29 * kFrame_s)).value();
   EXPECT_LT((tracked.motion.T_world_camera.translation_m - truth.translation_m).norm(), 0.05);
   EXPECT_NEAR(tracked.ambiguity, 1 / (1 + std::exp(1.0)), 0.02);
+  EXPECT_EQ(filter.forecast(instant(29 * kFrame_s))->ambiguity, tracked.ambiguity) << "who is led by it knows";
   double variance_m2 = 0;
   for (int i = 0; i < 3; ++i) variance_m2 += tracked.covariance(i, i);
   EXPECT_GT(variance_m2, 0.2 * (rival.translation_m - truth.translation_m).squaredNorm()) << "the other one's distance";

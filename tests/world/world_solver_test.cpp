@@ -105,7 +105,7 @@ TEST(WorldSolver, LeavesTheCrestsOfOneSmallLandmarkOpenAndASecondOneDecides) {
 
 TEST(WorldSolver, TakesTheCrestThatTheTrackSays) {
   Random random(4);
-  int decided = 0, open = 0;
+  int decided = 0, decided_by_doubt = 0, open = 0;
   for (int trial = 0; trial < 300; ++trial) {
     const Room room =
         test::random_room(random, {.landmarks = 1, .nearest_m = 3, .farthest_m = 4, .most_tilt_rad = 25 * kDeg});
@@ -117,9 +117,12 @@ TEST(WorldSolver, TakesTheCrestThatTheTrackSays) {
     prior.covariance.diagonal() << 4e-4, 4e-4, 4e-4, 1e-4, 1e-4, 1e-4;
     const WorldPose pose = solver.solve(seen, &prior);
     decided += pose.is_valid() && test::nees(pose, room.T_world_camera) < 60 ? 1 : 0;
+    prior.ambiguity = 0.3;
+    decided_by_doubt += solver.solve(seen, &prior).is_valid() ? 1 : 0;
   }
   EXPECT_GT(open, 30);
   EXPECT_GT(decided, open * 8 / 10);
+  EXPECT_LT(decided_by_doubt, open * 2 / 10) << "a track that is in doubt itself decides by no more than its odds";
 }
 
 TEST(WorldSolver, AnswersWhatThePictureSaysAndNotThePrior) {
