@@ -140,22 +140,22 @@ class TapOfAService(unittest.TestCase):
     def test_tells_how_long_every_frame_took(self):
         port = free_port()
         with self.service(port) as service, Client(port=port) as client:
-            client.wait_for(lambda registers: registers[62] >= 20)
+            client.wait_for(lambda registers: registers[62] >= 70)
             said = self.tap("--latencies")
             self.assertEqual(said.returncode, 0, said.stderr)
             head = re.match(r"latency of (\d+) frames since the start \((\d+) processed\)\n", said.stdout)
             self.assertTrue(head, said.stdout)
             bins = re.findall(r"(?m)^(?:up to|above) +([\d.]+) ms +(\d+) +([\d.]+) % #*$", said.stdout)
             self.assertEqual({int(head[1]), sum(int(count) for _, count, _ in bins)}, {int(head[2])}, "each frame once")
-            self.assertGreaterEqual(int(head[1]), 20)
+            self.assertGreaterEqual(int(head[1]), 70)
             edges = [float(edge) for edge, _, _ in bins]
             self.assertEqual(edges, sorted(edges))
             self.assertAlmostEqual(sum(float(percent) for _, _, percent in bins), 100, delta=0.5)
             median_ms = client.read()[68] / 10
             shares = [sum(int(count) for _, count, _ in bins[:i + 1]) / int(head[1]) for i in range(len(bins))]
-            median_edge = next(edge for edge, share in zip(edges, shares) if share >= 0.5)
-            # Bins are a quarter of an octave wide; the registers' median is of some frames more.
-            self.assertTrue(median_edge / 2 <= median_ms + 0.1 and median_ms <= median_edge * 2, (median_ms, said.stdout))
+            # Bins are a quarter of an octave wide; the registers' median is of some frames more, on a busy machine slow ones.
+            low, high = (next(edge for edge, share in zip(edges, shares) if share >= wanted) for wanted in (0.35, 0.65))
+            self.assertTrue(low / 2 <= median_ms + 0.1 and median_ms <= high * 2, (median_ms, said.stdout))
             refused = self.tap("--latencies", "--out", self.folder / "picture.png")
             self.assertEqual((refused.returncode, refused.stderr.count("\n")), (2, 1), refused.stderr)
             self.assertEqual(service.end()[0], 0)
