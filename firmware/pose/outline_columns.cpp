@@ -186,8 +186,9 @@ void fill_profile(const Pixels& some, const DotView& v, OutlineColumns& columns)
 template <Asked kAsked>
 void fill(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& dot_view, const BlurredDisc& disc,
           PixelRange range, ColumnBatches& batches) noexcept {
-  // A copy: whatever the columns' floats overwrite, it is not these, and the loop can be made of vector instructions.
-  const DotView v = dot_view;
+  // A copy: whatever the columns' floats overwrite, it is not these, and the loop can be made of vector instructions
+  // (a followed frame takes a seventh less of them).
+  const DotView v = dot_view;  // NOLINT(performance-unnecessary-copy-initialization)
   const float first_luma = pixels.luma[static_cast<std::size_t>(group.first)];
   for (std::size_t batch = 0; batch * kLanes < range.count; ++batch) {
     const Pixels some(pixels, range.first + batch * kLanes * range.every,
