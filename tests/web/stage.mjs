@@ -192,7 +192,7 @@ export async function openPage(chrome, on, view, { theme = "light", size = "desk
   const page = await context.newPage();
   const wrong = [];
   page.on("pageerror", (error) => wrong.push(String(error)));
-  page.on("console", (message) => { if (message.type() === "error" && !/40[139]|412|429|503|ERR_CONNECTION|ERR_EMPTY_RESPONSE|ERR_INTERNET/.test(message.text())) wrong.push(message.text()); });
+  page.on("console", (message) => { if (message.type() === "error" && !/40[139]|412|429|503|ERR_CONNECTION|ERR_SOCKET_NOT_CONNECTED|ERR_EMPTY_RESPONSE|ERR_INTERNET/.test(message.text())) wrong.push(message.text()); });
   page.on("request", (request) => {
     const url = new URL(request.url());
     if (!["blob:", "data:"].includes(url.protocol) && url.port !== String(on.port)) wrong.push(`fetched from outside: ${url}`);
