@@ -5,6 +5,7 @@
     tests/lint.py tidy BUILD_FOLDER      the product's translation units, as BUILD_FOLDER/compile_commands.json compiles them, against .clang-tidy
           --since COMMIT                 those alone that changed since then or include a header that did; all, where git does not know
                                          COMMIT or .clang-tidy changed
+          --seconds COUNT                no further file after so long: what changed last is looked at first, and how many were not is said
           --all                          also what is on the list of what is still to do
     tests/lint.py --self-test            proves on made-up sources that findings are findings
 
@@ -85,20 +86,28 @@ def product_units(root, build):
 
 
 def changed_since(commit, root):
-    """Paths below root, or None where that can't be said."""
-    asked = subprocess.run(["git", "diff", "--name-only", "--relative", "-z", commit], cwd=root, capture_output=True, text=True, check=False)
-    names = set(asked.stdout.split("\0")) - {""}
-    return None if asked.returncode != 0 or ".clang-tidy" in names else names
+    """Paths below root, what changed last first, or None where that can't be said."""
+    def paths(*command):
+        asked = subprocess.run(["git", *command, "-z"], cwd=root, capture_output=True, text=True, check=False)
+        return None if asked.returncode != 0 else [name for name in asked.stdout.split("\0") if name]
+
+    all_of_it = paths("diff", "--name-only", "--relative", commit)
+    if all_of_it is None or ".clang-tidy" in all_of_it:
+        return None
+    newest_first = (paths("diff", "--name-only", "--relative", "HEAD") or []) + (paths("log", "--format=", "--name-only", "--relative", commit + "..HEAD") or [])
+    rank = {path: place for place, path in reversed(list(enumerate(newest_first)))}
+    return sorted(all_of_it, key=lambda path: (rank.get(path, len(rank)), path))
 
 
 def touched_units(units, changed, root):
-    """Those that changed, or that include a header that did."""
+    """Those that changed, or that include a header that did, in the order of `changed`."""
     def included(unit):
         with open(os.path.join(root, unit), encoding="utf-8") as file:
             return re.findall(r'^#include "([^"]+)"', file.read(), re.MULTILINE)
 
-    headers = {path.removeprefix("firmware/") for path in changed if path.endswith((".h", ".hpp", ".inc"))}
-    return [unit for unit in units if unit in changed or headers.intersection(included(unit))]
+    place_of = {path.removeprefix("firmware/") if path.endswith((".h", ".hpp", ".inc")) else path: place for place, path in enumerate(changed)}
+    place = {unit: min((place_of[path] for path in [unit, *included(unit)] if path in place_of), default=None) for unit in units}
+    return sorted((unit for unit in units if place[unit] is not None), key=place.get)
 
 
 # A tree may read the largest headers once, for all of its files: here each is to include what it needs.
@@ -143,26 +152,32 @@ def verdict(found, not_yet, root, looked_at_all=True):
     return wrong, len(found) - len(counting)
 
 
-def check_tidy(root, build, not_yet, show_all=False, since=None):
+def check_tidy(root, build, not_yet, show_all=False, since=None, seconds=None):
     all_units = product_units(root, build)
     if not all_units:
         print(f"lint: {build} compiles nothing of {', '.join(PRODUCT)}", file=sys.stderr)
         return 2
     changed = changed_since(since, root) if since else None
     units = all_units if changed is None else touched_units(all_units, changed, root)
-    began, found, troubles = time.monotonic(), set(), []
+    began, found, troubles, looked_at = time.monotonic(), set(), [], 0
     jobs = int(os.environ.get("NINEDOT_JOBS") or os.cpu_count() or 1)
     with tempfile.TemporaryDirectory() as commands, concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         write_commands(build, commands)
-        for more, trouble in pool.map(lambda unit: findings_of(unit, root, commands), units):
-            found |= more
-            troubles += [trouble] if trouble else []
-    wrong, later = verdict(found, [] if show_all else not_yet, root, len(units) == len(all_units))
+        def look(unit):
+            return None if seconds is not None and time.monotonic() - began > seconds else findings_of(unit, root, commands)
+
+        for result in pool.map(look, units):
+            if result is not None:
+                found |= result[0]
+                troubles += [result[1]] if result[1] else []
+                looked_at += 1
+    wrong, later = verdict(found, [] if show_all else not_yet, root, looked_at == len(all_units))
     for line in wrong + troubles:
         print(line, file=sys.stderr)
     spent = resource.getrusage(resource.RUSAGE_CHILDREN)
-    print(f"clang-tidy: {len(units)} of {len(all_units)} files in {time.monotonic() - began:.0f} s, {spent.ru_utime + spent.ru_stime:.0f} s of processor time; "
-          f"{len(wrong)} findings" + (f", {later} more on the list of what is still to do" if later else ""))
+    not_reached = f"; {len(units) - looked_at} more were not reached in {seconds} s" if looked_at < len(units) else ""
+    print(f"clang-tidy: {looked_at} of {len(all_units)} files in {time.monotonic() - began:.0f} s, {spent.ru_utime + spent.ru_stime:.0f} s of processor time; "
+          f"{len(wrong)} findings" + (f", {later} more on the list of what is still to do" if later else "") + not_reached)
     return 1 if wrong or troubles else 0
 
 
@@ -176,7 +191,7 @@ def self_test():
         return
     tree = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 
-    def run(unit, header="#pragma once\nint twice(int x);\n", not_yet=(), command="c++ -std=c++20 -Wall -c proto/a.cpp", changed=None):
+    def run(unit, header="#pragma once\nint twice(int x);\n", not_yet=(), command="c++ -std=c++20 -Wall -c proto/a.cpp", changed=None, seconds=None):
         with tempfile.TemporaryDirectory() as root:
             os.makedirs(os.path.join(root, "proto"))
             for name in (".clang-tidy", ".clang-format"):
@@ -195,7 +210,7 @@ def self_test():
                 for name in changed:
                     with open(os.path.join(root, name), "a", encoding="utf-8") as file:
                         file.write("\n")
-            return check_format(root), check_tidy(root, root, list(not_yet), since=None if changed is None else "HEAD")
+            return check_format(root), check_tidy(root, root, list(not_yet), since=None if changed is None else "HEAD", seconds=seconds)
 
     assert run(GOOD_UNIT) == (0, 0)
     assert run(GOOD_UNIT.replace("{ return", "{return")) == (1, 0), "wrong formatting passes"
@@ -212,6 +227,8 @@ def self_test():
     assert run(BAD_UNIT, changed=("proto/a.cpp",))[1] == 1, "what changed is not looked at"
     assert run(BAD_UNIT.replace('"a.h"', '"proto/a.h"'), changed=("proto/a.h",), command="c++ -std=c++20 -I. -c proto/a.cpp")[1] == 1
     assert run(GOOD_UNIT, changed=(), not_yet=["proto"]) == (0, 0), "nobody looked there"
+    assert run(BAD_UNIT, seconds=-1) == (0, 0), "a file is begun after the time is over"
+    assert run(GOOD_UNIT, not_yet=["proto"], seconds=-1) == (0, 0), "what was not reached is called clean"
     print("lint: findings are findings")
 
 
@@ -228,8 +245,12 @@ def main():
         show_all = "--all" in options
         if show_all:
             options.remove("--all")
-        if not options or (options[0] == "--since" and len(options) == 2):
-            return check_tidy(root, build, NOT_YET, show_all, options[1] if options else None) if right_version("clang-tidy") else 0
+        given = dict(zip(options[::2], options[1::2]))
+        seconds = given.get("--seconds", "0")
+        if len(options) == 2 * len(given) and given.keys() <= {"--since", "--seconds"} and seconds.isdigit():
+            if not right_version("clang-tidy"):
+                return 0
+            return check_tidy(root, build, NOT_YET, show_all, given.get("--since"), int(seconds) or None)
     print(__doc__, file=sys.stderr)
     return 2
 

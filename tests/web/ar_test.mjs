@@ -345,6 +345,21 @@ test("a browser without WebGL, and a build without three.js, are told in one lin
   await context.close();
 });
 
+test("what is held is what was shown, though the next picture was about to be drawn", async () => {
+  const { page, close } = await open();
+  await standing(page);
+  await page.evaluate(() => {
+    window.planned = [];
+    window.requestAnimationFrame = (draw) => window.planned.push(draw);
+  });
+  await page.waitForFunction(() => window.planned.length > 0);
+  const shown = await shownFrame(page);
+  await page.keyboard.press("f");
+  await page.evaluate(() => window.planned.forEach((draw) => draw()));
+  assert.equal(await shownFrame(page), shown);
+  await close();
+});
+
 test("it draws 3,000 and 40,000 triangles", async (t) => {
   const { page, close } = await open();
   await standing(page);

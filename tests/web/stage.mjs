@@ -115,6 +115,9 @@ z_mm = 1200.0
 heading_deg = -90.0
 `;
 
+const started = new Set();
+process.once("exit", () => started.forEach((child) => child.kill("SIGKILL")));
+
 // options: {recording, camera: text under [camera] in its place, web: text under [web], extra: further configuration, arguments: of ninedot-web}
 export class Stage {
   static async open(options = {}) {
@@ -149,6 +152,9 @@ ${options.extra ?? ""}
     const log = fs.openSync(path.join(this.folder, `${program}.log`), "a");
     const child = spawn(path.join(BIN, program), ["--config", this.config, ...more], { stdio: ["ignore", log, log] });
     fs.closeSync(log);
+    // A test that failed leaves its programs running: they keep nobody waiting, and end with the tests.
+    child.unref();
+    started.add(child);
     return child;
   }
 
@@ -158,6 +164,7 @@ ${options.extra ?? ""}
 
   async end(child) {
     if (child.exitCode !== null || child.signalCode !== null) return child.exitCode;
+    child.ref();
     const ended = new Promise((resolve) => child.once("exit", resolve));
     child.kill("SIGTERM");
     return ended;

@@ -189,7 +189,7 @@ export class ArView {
     this.isPlanned = true;
     requestAnimationFrame(() => {
       this.isPlanned = false;
-      if (this.hasLeft || this.isOver || !this.next) return;
+      if (this.hasLeft || this.isOver || this.isFrozen || !this.next) return;
       this.shown?.bitmap.close();
       this.shown = this.next;
       this.next = null;
