@@ -6,6 +6,7 @@
 /// they move the other way (they stand on odd and even columns, and rows). In (R + 2 G + B) / 4 both cancel (Alleysson,
 /// Suesstrunk & Herault, "Linear demosaicing inspired by the human visual system", IEEE Trans. Image Processing 14,
 /// 2005); luma has 2.6 times as much red as blue, and keeps most of red's.
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -26,13 +27,16 @@ class BayerLuma {
   ImageView of(const ImageView& luma, const ChromaView& chroma) noexcept;
 
  private:
-  void weigh_row(const ImageView& luma, const ChromaView& chroma, int y) noexcept;
+  std::vector<std::int16_t>& weighed_row(const ChromaView& chroma, int row) noexcept;
+  void mix_rows(const ChromaView& chroma, int block, int y) noexcept;
   void spread_row(int columns, int width_px) noexcept;
 
   int width_px_, height_px_;
   std::vector<std::uint8_t> pixels_;
-  std::vector<std::int16_t> weighed_;  ///< of a row of chroma: what is to be added to luma [LSB/64]
-  std::vector<std::int16_t> spread_;   ///< the same at every pixel
+  std::array<std::vector<std::int16_t>, 3> weighed_;  ///< of a row of chroma: what is to be added to luma [LSB/64]
+  std::array<int, 3> weighed_row_{};                  ///< which row that is
+  std::vector<std::int16_t> mixed_;                   ///< the same at a row of pixels
+  std::vector<std::int16_t> spread_;                  ///< and at every pixel of it
 };
 
 }  // namespace ninedot

@@ -103,5 +103,67 @@ TEST(BayerLuma, LeavesGreyAsItIsAndAsksNothingOfWhatHasNoColour) {
   }
 }
 
+/// The same pixel by pixel: chroma between its two nearest rows and columns, three quarters of the nearer.
+int plainly(const ImageView& luma, const ChromaView& chroma, int x, int y) {
+  const auto near = [](int at, int block, int count) {
+    const int i = at / block;
+    const int beside = at % block * 2 < block - 1 ? i - 1 : i + 1;
+    struct {
+      int before, here, after, weight_before, weight_here, weight_after;
+    } n{};
+    n = {
+        std::clamp(i - 1, 0, count - 1), i, std::clamp(i + 1, 0, count - 1), beside < i ? 1 : 0, 3, beside > i ? 1 : 0};
+    if (block == 1) n.weight_before = n.weight_after = 1, n.weight_here = 2;
+    return n;
+  };
+  const auto column = near(x, (luma.width_px + chroma.width - 1) / chroma.width, chroma.width);
+  const auto row = near(y, (luma.height_px + chroma.height - 1) / chroma.height, chroma.height);
+  const auto at = [&](int r, int c) {
+    const std::ptrdiff_t i = std::ptrdiff_t{r} * chroma.stride_bytes + std::ptrdiff_t{c} * chroma.step_bytes;
+    return 32 * (chroma.cb[i] - 128) - 6 * (chroma.cr[i] - 128);
+  };
+  const auto mixed = [&](int c) {
+    return (row.weight_before * at(row.before, c) + row.weight_here * at(row.here, c) +
+            row.weight_after * at(row.after, c) + 2) >>
+           2;
+  };
+  const int spread = (column.weight_before * mixed(column.before) + column.weight_here * mixed(column.here) +
+                      column.weight_after * mixed(column.after) + 2) >>
+                     2;
+  return std::clamp(luma.at(x, y) + ((spread + 32) >> 6), 0, 255);
+}
+
+TEST(BayerLuma, IsTheSameForEveryLayoutAndSize) {
+  std::uint32_t state = 1;
+  const auto noise = [&] { return static_cast<std::uint8_t>((state = state * 1664525U + 1013904223U) >> 24); };
+  for (const int width : {2, 7, 16, 33, 50, 64})
+    for (const int height : {2, 5, 12})
+      for (const int across : {1, 2, 4})
+        for (const int down : {1, 2, 4})
+          for (const int step : {1, 2, 4}) {
+            const int columns = (width + across - 1) / across, rows = (height + down - 1) / down;
+            if ((width + columns - 1) / columns != across || (height + rows - 1) / rows != down) continue;
+            const int stride = columns * step + 3;
+            std::vector<std::uint8_t> luma(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+            std::vector<std::uint8_t> planes(2 * static_cast<std::size_t>(stride) * static_cast<std::size_t>(rows));
+            std::ranges::generate(luma, noise);
+            std::ranges::generate(planes, noise);
+            const std::uint8_t* cb = planes.data();
+            const std::uint8_t* beside = step == 1 ? cb + std::ptrdiff_t{stride} * rows : cb + step / 2;
+            BayerLuma unit(64, 12);
+            const ImageView view{luma.data(), width, height, width};
+            for (const bool is_cb_first : {true, false}) {
+              const ChromaView chroma{
+                  is_cb_first ? cb : beside, is_cb_first ? beside : cb, columns, rows, step, stride};
+              const ImageView got = unit.of(view, chroma);
+              for (int y = 0; y < height; ++y)
+                for (int x = 0; x < width; ++x)
+                  ASSERT_EQ(got.at(x, y), plainly(view, chroma, x, y))
+                      << width << " x " << height << ", blocks of " << across << " x " << down << ", step " << step
+                      << ", at " << x << ", " << y;
+            }
+          }
+}
+
 }  // namespace
 }  // namespace ninedot
