@@ -212,6 +212,11 @@ bool RoomLocaliser::begin_where_expected(const Frame& frame, const CameraFromLan
   return true;
 }
 
+/// What is in view and not identified says nothing of where the camera is: others may.
+bool RoomLocaliser::any_identified() const noexcept {
+  return std::ranges::any_of(in_view_, [](const InView& landmark) { return landmark.identity.has_value(); });
+}
+
 void RoomLocaliser::look_everywhere(const Frame& frame) noexcept {
   frames_since_search_ = 0;
   const auto begin = [&](std::span<const LandmarkObservation> found) {
@@ -219,7 +224,7 @@ void RoomLocaliser::look_everywhere(const Frame& frame) noexcept {
       if (!is_known(seen.H_ray_plane) && !go_on_elsewhere(frame, seen)) (void)begin_to_follow(frame, seen);
   };
   if (const auto found = lens_->seeker.detector().find_all_landmarks(frame.luma, lens_->seeker.budget())) begin(*found);
-  if (!in_view_.empty()) return;
+  if (any_identified()) return;
   // The search for one looks closer, and begins with the ring where P9 is spoiled.
   if (const auto found = lens_->seeker.detector().find_landmarks(frame.luma, lens_->seeker.budget())) begin(*found);
   has_search_failed_ = in_view_.empty();
@@ -354,7 +359,7 @@ void RoomLocaliser::look_at(const Frame& frame) noexcept {
   }
   fix_.tracked = !in_view_.empty();
   look_where_expected(frame);
-  if (in_view_.empty() || ++frames_since_search_ >= options_.search_every) look_everywhere(frame);
+  if (!any_identified() || ++frames_since_search_ >= options_.search_every) look_everywhere(frame);
   identify(frame);
   if (frames_since_search_ >= options_.search_every) {  // a sheet turned out to be another: so may be the view
     look_everywhere(frame);

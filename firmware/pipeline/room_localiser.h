@@ -55,6 +55,7 @@ class RoomLocaliser final : public FrameProcessor {
   void look_everywhere(const Frame& frame) noexcept;
   bool begin_to_follow(const Frame& frame, const LandmarkObservation& seen) noexcept;
   bool go_on_elsewhere(const Frame& frame, const LandmarkObservation& seen) noexcept;
+  bool any_identified() const noexcept;
   void identify(const Frame& frame) noexcept;
   void number_by_code(const Frame& frame, InView& landmark) noexcept;
   WorldVerdict place_in_world(const Frame& frame) noexcept;

@@ -93,6 +93,15 @@ std::optional<SheetMotion> Track::motion_at(MonoTime time) const noexcept {
   return motion;
 }
 
+std::optional<SheetMotion> Track::motion_across(const Eigen::Vector2d& ray, MonoTime time) const noexcept {
+  if (!has_pose_ || time <= pose_at_) return std::nullopt;
+  const Eigen::Vector3d& t_m = prior_.T_camera_landmark.translation_m;
+  SheetMotion motion;
+  motion.translation_m_s.head<2>() =
+      t_m.z() * (ray - t_m.hnormalized()) / std::chrono::duration<double>(time - pose_at_).count();
+  return motion;
+}
+
 void Track::foretell(const SheetMotion& motion) noexcept {
   if (!has_pose_) return;
   if (!motion_) motion_ = Motion{.translation_m_s = motion.translation_m_s};

@@ -42,6 +42,10 @@ class Track {
   /// have a pose.
   std::optional<SheetMotion> motion_at(MonoTime time) const noexcept;
 
+  /// How it moves if this is where it is now: across the view, as between the frame before and this one.
+  /// \param ray  to the sheet's middle, z = 1 \return  rows all at once; none: the frame before gave no pose
+  std::optional<SheetMotion> motion_across(const Eigen::Vector2d& ray, MonoTime time) const noexcept;
+
   /// Who knows how the camera moves says how the sheet does: its turning, which one landmark shows poorly, and its way
   /// where the last two frames did not both have a pose. Until the next pose.
   void foretell(const SheetMotion& motion) noexcept;
