@@ -32,7 +32,7 @@ constexpr float kSmallArea_px2 = 120;  // as in blob_moments.cpp: below, grey le
 class Whitening {
  public:
   explicit Whitening(const Blob& blob) noexcept : x_(blob.x_px), y_(blob.y_px) {
-    const auto scale2 = static_cast<float>(1 << (2 * blob.level));
+    const float scale2 = blob.level < 0 ? 0.25F : static_cast<float>(1 << (2 * blob.level));
     const float blur = blob.area_px2 < kSmallArea_px2 * scale2 ? kBlur_px2 * scale2 : 0;
     // A blob has at least a pixel's variance: the floor only keeps what is none from making roots of negative numbers.
     const float floor = 0.25F * static_cast<float>(kPixelVariance_px2);

@@ -1,5 +1,6 @@
 #include "image/pyramid.h"
 
+#include <algorithm>
 #include <opencv2/core/hal/intrin.hpp>
 
 namespace ninedot {
@@ -31,6 +32,21 @@ void halve(const ImageView& in, ImageBuffer& out) noexcept {
                   cv::v_rshr_pack<2>(sums_of_four(a + 2 * x, b + 2 * x), sums_of_four(a + 2 * x + 16, b + 2 * x + 16)));
     for (; x < width; ++x)
       to[x] = static_cast<std::uint8_t>((a[2 * x] + a[2 * x + 1] + b[2 * x] + b[2 * x + 1] + 2) / 4);
+  }
+}
+
+void enlarge(const ImageView& in, ImageBuffer& out) noexcept {
+  out.resize_within(2 * in.width_px, 2 * in.height_px);
+  for (int y = 0; y < out.height_px(); ++y) {
+    // A quarter of a pixel from the middle of the nearer one: it counts three times as much as the other.
+    const std::uint8_t* near = in.row(y / 2);
+    const std::uint8_t* far = in.row(std::clamp(y / 2 + (y % 2 == 0 ? -1 : 1), 0, in.height_px - 1));
+    std::uint8_t* to = out.row(y);
+    for (int x = 0; x < out.width_px(); ++x) {
+      const int here = x / 2;
+      const int beside = std::clamp(here + (x % 2 == 0 ? -1 : 1), 0, in.width_px - 1);
+      to[x] = static_cast<std::uint8_t>((9 * near[here] + 3 * (near[beside] + far[here]) + far[beside] + 8) / 16);
+    }
   }
 }
 

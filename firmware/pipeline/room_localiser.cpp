@@ -224,7 +224,7 @@ void RoomLocaliser::look_everywhere(const Frame& frame) noexcept {
       if (!is_known(seen.H_ray_plane) && !go_on_elsewhere(frame, seen)) (void)begin_to_follow(frame, seen);
   };
   if (const auto found = lens_->seeker.detector().find_all_landmarks(frame.luma, lens_->seeker.budget())) begin(*found);
-  if (any_identified()) return;
+  if (!in_view_.empty()) return;
   // The search for one looks closer, and begins with the ring where P9 is spoiled.
   if (const auto found = lens_->seeker.detector().find_landmarks(frame.luma, lens_->seeker.budget())) begin(*found);
   has_search_failed_ = in_view_.empty();
