@@ -23,7 +23,9 @@ FrameLoop::FrameLoop(FrameSource& source, FrameProcessor& processor, Mailbox<Rep
       temperature_degC_(std::numeric_limits<double>::quiet_NaN()) {
   health_.started_at = last_frame_at_;
   health_.memory_locked = options.memory_locked;
-  reports_.publish(report_);
+  // The outputs read from here on: whoever asks before the first frame hears already whether there is a head.
+  look_at_head();
+  publish(report_of_head(report_, {last_frame_at_, head_}));
   healths_.publish(health_);
 }
 

@@ -398,6 +398,17 @@ TEST(FrameLoop, StampsReportsWithWhereTheHeadStoodWhenTheFrameWasExposed) {
   EXPECT_EQ(bench.reports.read().head.pan_rad, 0.3) << "without a pose: where it stands now";
 }
 
+TEST(FrameLoop, SaysWhetherThereIsAHeadBeforeTheFirstFrame) {
+  Handoff<HeadSnapshot> head;
+  FrameLoopOptions options = Bench::quick();
+  options.head = &head;
+  const Bench with({}, options);
+  EXPECT_TRUE(with.reports.read().head.present);
+  EXPECT_EQ(with.reports.read().reason, Reason::kStarting);
+  const Bench without({});
+  EXPECT_FALSE(without.reports.read().head.present);
+}
+
 TEST(FrameLoop, GoesOnTellingWhatTheHeadDoesWhenNoFramesComeAndAfterTheSourcesEnd) {
   for (const Errc end : {Errc::kCameraLost, Errc::kEndOfStream}) {
     Handoff<HeadSnapshot> head;
