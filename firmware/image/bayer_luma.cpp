@@ -51,10 +51,10 @@ BayerLuma::BayerLuma(int width_px, int height_px)
 }
 
 /// Beyond the picture's border as at it. Rows are asked for from above to below, at most two apart.
-std::vector<std::int16_t>& BayerLuma::weighed_row(const ChromaView& chroma, int row) noexcept {
+const std::int16_t* BayerLuma::weighed_row(const ChromaView& chroma, int row) noexcept {
   const int r = std::clamp(row, 0, chroma.height - 1);
   const auto slot = static_cast<std::size_t>(r) % weighed_.size();
-  std::vector<std::int16_t>& weighed = weighed_[slot];
+  std::int16_t* weighed = weighed_[slot].data();
   if (weighed_row_[slot] == r) return weighed;
   weighed_row_[slot] = r;
   const std::uint8_t* cb = chroma.cb + std::ptrdiff_t{r} * chroma.stride_bytes;
@@ -63,21 +63,21 @@ std::vector<std::int16_t>& BayerLuma::weighed_row(const ChromaView& chroma, int 
   if (chroma.step_bytes == 1) {
     for (; x + 2 * kLanes <= chroma.width; x += 2 * kLanes) {
       const cv::v_uint8x16 b = cv::v_load(cb + x), r16 = cv::v_load(cr + x);
-      cv::v_store(weighed.data() + x, weigh(low(b), low(r16)));
-      cv::v_store(weighed.data() + x + kLanes, weigh(high(b), high(r16)));
+      cv::v_store(weighed + x, weigh(low(b), low(r16)));
+      cv::v_store(weighed + x + kLanes, weigh(high(b), high(r16)));
     }
   } else if (chroma.step_bytes == 2 && (cr == cb + 1 || cb == cr + 1)) {
     for (; x + 2 * kLanes <= chroma.width; x += 2 * kLanes) {
       cv::v_uint8x16 first, second;
       cv::v_load_deinterleave(std::min(cb, cr) + std::ptrdiff_t{2} * x, first, second);
       if (cr < cb) std::swap(first, second);
-      cv::v_store(weighed.data() + x, weigh(low(first), low(second)));
-      cv::v_store(weighed.data() + x + kLanes, weigh(high(first), high(second)));
+      cv::v_store(weighed + x, weigh(low(first), low(second)));
+      cv::v_store(weighed + x + kLanes, weigh(high(first), high(second)));
     }
   }
   for (; x < chroma.width; ++x) {
     const std::ptrdiff_t at = std::ptrdiff_t{x} * chroma.step_bytes;
-    weighed[static_cast<std::size_t>(x)] = static_cast<std::int16_t>(weigh(cb[at], cr[at]));
+    weighed[x] = static_cast<std::int16_t>(weigh(cb[at], cr[at]));
   }
   return weighed;
 }
@@ -89,9 +89,9 @@ void BayerLuma::mix_rows(const ChromaView& chroma, int block, int y) noexcept {
   // Weights of the row above, this one and the one below, in quarters.
   const bool upper = y % block * 2 < block - 1;
   const int above = block == 1 || upper ? 1 : 0, below = block == 1 || !upper ? 1 : 0, here = 4 - above - below;
-  const std::int16_t* __restrict over = weighed_row(chroma, row - 1).data();
-  const std::int16_t* __restrict at = weighed_row(chroma, row).data();
-  const std::int16_t* __restrict under = weighed_row(chroma, row + 1).data();
+  const std::int16_t* __restrict over = weighed_row(chroma, row - 1);
+  const std::int16_t* __restrict at = weighed_row(chroma, row);
+  const std::int16_t* __restrict under = weighed_row(chroma, row + 1);
   std::int16_t* __restrict mixed = mixed_.data() + 1;
   int x = 0;
   for (; x + kLanes <= chroma.width; x += kLanes) {

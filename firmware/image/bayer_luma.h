@@ -27,7 +27,7 @@ class BayerLuma {
   ImageView of(const ImageView& luma, const ChromaView& chroma) noexcept;
 
  private:
-  std::vector<std::int16_t>& weighed_row(const ChromaView& chroma, int row) noexcept;
+  const std::int16_t* weighed_row(const ChromaView& chroma, int row) noexcept;
   void mix_rows(const ChromaView& chroma, int block, int y) noexcept;
   void spread_row(int columns, int width_px) noexcept;
 

@@ -103,33 +103,28 @@ TEST(BayerLuma, LeavesGreyAsItIsAndAsksNothingOfWhatHasNoColour) {
   }
 }
 
-/// The same pixel by pixel: chroma between its two nearest rows and columns, three quarters of the nearer.
+/// Of the sample before a pixel's own, its own, and the one after it, in quarters: three of the nearest, one of the
+/// next, or the triangle where each pixel has a sample.
+std::array<int, 3> quarters(int at, int block) {
+  if (block == 1) return {1, 2, 1};
+  return at % block * 2 < block - 1 ? std::array{1, 3, 0} : std::array{0, 3, 1};
+}
+
+/// The same pixel by pixel; the border's samples go on beyond it.
 int plainly(const ImageView& luma, const ChromaView& chroma, int x, int y) {
-  const auto near = [](int at, int block, int count) {
-    const int i = at / block;
-    const int beside = at % block * 2 < block - 1 ? i - 1 : i + 1;
-    struct {
-      int before, here, after, weight_before, weight_here, weight_after;
-    } n{};
-    n = {
-        std::clamp(i - 1, 0, count - 1), i, std::clamp(i + 1, 0, count - 1), beside < i ? 1 : 0, 3, beside > i ? 1 : 0};
-    if (block == 1) n.weight_before = n.weight_after = 1, n.weight_here = 2;
-    return n;
-  };
-  const auto column = near(x, (luma.width_px + chroma.width - 1) / chroma.width, chroma.width);
-  const auto row = near(y, (luma.height_px + chroma.height - 1) / chroma.height, chroma.height);
-  const auto at = [&](int r, int c) {
-    const std::ptrdiff_t i = std::ptrdiff_t{r} * chroma.stride_bytes + std::ptrdiff_t{c} * chroma.step_bytes;
+  const int across = (luma.width_px + chroma.width - 1) / chroma.width;
+  const int down = (luma.height_px + chroma.height - 1) / chroma.height;
+  const auto at = [&](int row, int column) {
+    const std::ptrdiff_t i = std::ptrdiff_t{std::clamp(row, 0, chroma.height - 1)} * chroma.stride_bytes +
+                             std::ptrdiff_t{std::clamp(column, 0, chroma.width - 1)} * chroma.step_bytes;
     return 32 * (chroma.cb[i] - 128) - 6 * (chroma.cr[i] - 128);
   };
-  const auto mixed = [&](int c) {
-    return (row.weight_before * at(row.before, c) + row.weight_here * at(row.here, c) +
-            row.weight_after * at(row.after, c) + 2) >>
-           2;
+  const auto mean = [](const std::array<int, 3>& weights, auto&& value) {
+    return (weights[0] * value(-1) + weights[1] * value(0) + weights[2] * value(1) + 2) >> 2;
   };
-  const int spread = (column.weight_before * mixed(column.before) + column.weight_here * mixed(column.here) +
-                      column.weight_after * mixed(column.after) + 2) >>
-                     2;
+  const int spread = mean(quarters(x, across), [&](int i) {
+    return mean(quarters(y, down), [&](int j) { return at(y / down + j, x / across + i); });
+  });
   return std::clamp(luma.at(x, y) + ((spread + 32) >> 6), 0, 255);
 }
 
