@@ -52,14 +52,20 @@ FailedSearch LandmarkSeeker::failed_search() const noexcept {
   return failed;
 }
 
+/// What two frames tell of a landmark that nothing more is known of. \param t_camera_m  where it is seen in this one
+std::optional<SheetMotion> LandmarkSeeker::first_motion(const Track& track,
+                                                        const Eigen::Vector3d& t_camera_m) const noexcept {
+  if (row_time_s_ == 0 || twist_ || track.motion_at(frame_at_)) return std::nullopt;
+  return track.motion_across(t_camera_m.hnormalized(), frame_at_);
+}
+
 /// \param track  of the landmark, before this frame \param t_camera_m  where it is, about
 /// \param is_seen_there  its dots are, in this frame; else it is expected there
 RowMotion LandmarkSeeker::motion_of(const Track& track, const Eigen::Vector3d& t_camera_m,
                                     bool is_seen_there) const noexcept {
   if (row_time_s_ == 0) return {};
   const auto own = track.motion_at(frame_at_);
-  const auto across = is_seen_there && !own && !twist_ ? track.motion_across(t_camera_m.hnormalized(), frame_at_)
-                                                       : std::optional<SheetMotion>{};
+  const auto across = is_seen_there ? first_motion(track, t_camera_m) : std::nullopt;
   RowMotion motion;
   motion.sheet = own ? *own : twist_ ? twist_->of_sheet_at(t_camera_m) : across.value_or(SheetMotion{});
   motion.sheet.row_time_s = row_time_s_;
@@ -87,13 +93,10 @@ Result<std::size_t> LandmarkSeeker::follow_outlines(const Frame& frame, Track& t
   if (!track.accepts(followed, frame.exposed_at()) || !fits_picture(followed, noise_, allowance(true)))
     return fail(Errc::kNoLandmark, "the landmark is not as it was");
   row_motion_ = motion;
-  if (!track.motion_at(frame_at_) && !twist_) {
-    // It was fitted as if it stood still, and is found where it nearly did: what it moved is all that was left out.
-    const CameraFromLandmark now = followed.pose.T_landmark_camera.inverse();
-    if (const auto across = track.motion_across(now.translation_m.hnormalized(), frame_at_))
-      row_motion_.uncertainty.rate_sigma_rad_s =
-          kSeenRate_rad_s + across->translation_m_s.norm() / now.translation_m.z();
-  }
+  // It was fitted as if it stood still, and is found where it nearly did: what it moved is all that was left out.
+  const Eigen::Vector3d now_m = followed.pose.T_landmark_camera.inverse().translation_m;
+  if (const auto across = first_motion(track, now_m))
+    row_motion_.uncertainty.rate_sigma_rad_s = kSeenRate_rad_s + across->translation_m_s.norm() / now_m.z();
   track.see(observation_of(as_exposed(followed.outlines.T_camera_landmark, motion.sheet, camera_),
                            followed.visible_share, camera_, options_.landmark));
   return track.take(candidates_, frame.exposed_at());

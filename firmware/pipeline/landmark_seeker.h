@@ -90,6 +90,7 @@ class LandmarkSeeker {
 
  private:
   FitAllowance allowance(bool is_foretold) const noexcept;
+  std::optional<SheetMotion> first_motion(const Track& track, const Eigen::Vector3d& t_camera_m) const noexcept;
   RowMotion motion_of(const Track& track, const Eigen::Vector3d& t_camera_m, bool is_seen_there) const noexcept;
 
   SeekerOptions options_;

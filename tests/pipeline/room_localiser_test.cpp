@@ -157,9 +157,12 @@ TEST(RoomLocaliser, KnowsOneSheetAmongThreeAlikeOnceItHasSeenTheOthers) {
   EXPECT_LT(apart_m(fix.world->T_world_camera.translation_m, scene.camera), 0.03);
 }
 
-test::ColourPicture coded_picture(std::string_view code, const test::Viewpoint& viewpoint, std::uint64_t seed) {
+/// \param others  black and white
+test::ColourPicture coded_picture(std::string_view code, const test::Viewpoint& viewpoint, std::uint64_t seed,
+                                  const std::vector<Hung>& others = {}) {
   test::ColourScene colours;
   colours.scene = scene_of({{0, 0, 0}}, viewpoint);
+  for (const Hung& other : others) colours.scene.sheets.push_back(sheet_at(other));
   for (const char letter : code)
     colours.discs.push_back(letter == 'R'   ? test::linear_of_srgb(190, 40, 50)
                             : letter == 'G' ? test::linear_of_srgb(40, 140, 70)
@@ -209,6 +212,21 @@ TEST(RoomLocaliser, SaysThatACodeOfAnotherMapIsNoneOfIts) {
     EXPECT_EQ(fix.reason, Reason::kNotIdentified);
     EXPECT_FALSE(fix.world);
   }
+}
+
+/// A sheet of nobody's is followed all the while.
+TEST(RoomLocaliser, SearchesOnWhileNobodyInViewIsOfItsMap) {
+  test::Viewpoint viewpoint = kFromAside;
+  viewpoint.distance_m = 1.8;
+  const test::ColourPicture foreign = coded_picture("RKBGGKRB", viewpoint, 3);
+  const test::ColourPicture both = coded_picture("RKBGGKRB", viewpoint, 4, {{14, 0.5, 0}});
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_codes()});
+  for (std::uint64_t number = 1; number < 4; ++number) {
+    EXPECT_EQ(unit.process(frame_of(foreign, number)).reason, Reason::kNotIdentified);
+  }
+  const Fix& fix = unit.process(frame_of(both, 4));
+  ASSERT_EQ(fix.landmarks.size(), 1U) << "at once, not at the next search of every tenth frame";
+  EXPECT_EQ(fix.main().id, 14);
 }
 
 /// In the same place, from one frame to the next.
