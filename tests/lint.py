@@ -246,11 +246,11 @@ def main():
         if show_all:
             options.remove("--all")
         given = dict(zip(options[::2], options[1::2]))
-        seconds = given.get("--seconds", "0")
-        if len(options) == 2 * len(given) and given.keys() <= {"--since", "--seconds"} and seconds.isdigit():
+        seconds = given.get("--seconds")
+        if len(options) == 2 * len(given) and given.keys() <= {"--since", "--seconds"} and (seconds is None or seconds.isdigit()):
             if not right_version("clang-tidy"):
                 return 0
-            return check_tidy(root, build, NOT_YET, show_all, given.get("--since"), int(seconds) or None)
+            return check_tidy(root, build, NOT_YET, show_all, given.get("--since"), None if seconds is None else int(seconds))
     print(__doc__, file=sys.stderr)
     return 2
 

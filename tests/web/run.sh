@@ -55,9 +55,11 @@ run() {
   return "$status"
 }
 if [[ ${1:-} == ar ]]; then
+  [[ -d ../../programs/web/ar/node_modules ]] || leave_out "three.js is not there: ./dev ar, then ./dev build"
   run ar_test.mjs
   exit
 fi
+[[ $# -eq 0 ]] || { echo "tests/web: unknown part '$1': smoke, pictures or ar" >&2; exit 2; }
 run page_test.mjs
 run aim_test.mjs
 run recordings_test.mjs
