@@ -8,12 +8,12 @@
 
 #include "base/contract.h"
 #include "detect/blob_finder.h"
+#include "detect/close_look.h"
 #include "detect/homography.h"
 #include "detect/hypothesis.h"
 #include "detect/numbering.h"
 #include "detect/search_area.h"
 #include "detect/verify.h"
-#include "image/pyramid.h"
 
 // picture -> blobs -> hypotheses -> the one that the grey levels confirm best -> numbered dots.
 // The founding paper votes for ellipses in a Hough space; blobs by a local threshold need no votes, no parameter of
@@ -41,31 +41,25 @@ constexpr std::ptrdiff_t kLeastSeen = 3;
 
 /// As many guesses as sixteen landmarks make: three of each at most were confirmed.
 constexpr std::size_t kMaxAccepted = 48;
-/// P9 of a landmark so distant that its ring's dots leave no spots of their own, semi-major axis with its blur: dots of
-/// 2 to 4 px, which the pixels' grid and the dark middle beside them hide from a threshold of half the size.
-constexpr float kLeastDistant_px = 1.7F, kMostDistant_px = 5;
-/// Of the semi-major axis: the outermost outlines lie at 3.65 radii of P9, blur makes the axis longer, not shorter.
-constexpr float kCloserReach = 4.2F;
-constexpr int kCloserSide_px = 2 * static_cast<int>(kCloserReach * kMostDistant_px + 2);
-/// Each costs about a hundredth of a picture's search.
-constexpr int kMostCloser = 16;
-/// Of the paper's grey level, between P9 and the blank paper around it: ink has three quarters, half of that is left
-/// of a disc of 4 px under a blur of its own radius.
-constexpr int kInkShare = 4;
-
+/// Windows that CloseLook makes of one picture, 420,000 instructions each (callgrind, rendered rooms): together as much
+/// as all that is searched before them.
+constexpr int kMostCloser = 8;
 /// Of the ring's radius: two landmarks' middles are no nearer to each other, for sheets do not overlap.
 constexpr double kApart_radii = 1.2;
+
+Eigen::Vector2d middle_of(const LandmarkObservation& seen) noexcept {
+  return map_point(seen.H_ray_plane, Eigen::Vector2d::Zero());
+}
 
 }  // namespace
 
 struct Detector::Workspace {
   /// A picture, or a part of one, and the blobs in it.
   struct Sight {
-    Sight(int width_px, int height_px) : finder(width_px, height_px) {}
+    explicit Sight(const CameraModel& camera) : finder(camera.width_px, camera.height_px) {}
     SearchArea area;
     BlobFinder finder;
     BlobList blobs;
-    double noise_lsb = 0;  ///< of the picture, before it was made larger
   };
 
   /// A hypothesis that the grey levels confirm.
@@ -79,10 +73,9 @@ struct Detector::Workspace {
       : camera(camera_model),
         landmark(landmark_geometry),
         options(detector_options),
-        whole(camera_model.width_px, camera_model.height_px),
-        window(camera_model.width_px, camera_model.height_px),
-        close(2 * kCloserSide_px, 2 * kCloserSide_px),
-        enlarged(2 * kCloserSide_px, 2 * kCloserSide_px),
+        whole(camera_model),
+        window(camera_model),
+        close(landmark_geometry),
         sorted(camera_model.width_px, camera_model.height_px) {}
 
   bool fits(const ImageView& luma) const noexcept {
@@ -95,11 +88,10 @@ struct Detector::Workspace {
   void guess_everything(const ImageView& luma, WorkBudget& budget) noexcept;
   void find_all(const ImageView& luma, WorkBudget& budget) noexcept;
   void look_closer(const ImageView& luma, WorkBudget& budget) noexcept;
-  bool may_be_distant(const ImageView& luma, const Blob& blob) const noexcept;
   Result<LandmarkObservation> search_close(const ImageView& luma, const Blob& centre, WorkBudget& budget) noexcept;
-  void centre_blob(const ImageView& luma, const Eigen::Matrix3d& H_px_plane, std::size_t dot,
-                   Blob& blob) const noexcept;
-  bool is_found(const LandmarkObservation& seen) const noexcept;
+  void keep_distinct(const LandmarkObservation& seen) noexcept;
+  double reach_of(const LandmarkObservation& seen) const noexcept;
+  bool is_of_found(const Blob& blob) const noexcept;
 
   static void look(const ImageView& luma, const SearchArea& area, Sight& sight, WorkBudget& budget) noexcept;
   void look_finer(const ImageView& luma, WorkBudget& budget) noexcept;
@@ -107,16 +99,18 @@ struct Detector::Workspace {
   Result<LandmarkObservation> match(const ImageView& luma, Sight& sight, int& allowance, GuessBegin& begin,
                                     Numbering numbering, WorkBudget& budget) noexcept;
   Verification verify(const ImageView& luma, const Sight& sight, const Hypothesis& hypothesis) const noexcept;
+  template <typename VerifyOne>
+  bool keep_confirmed(VerifyOne&& verify_one) noexcept;
   bool verify_all(const ImageView& luma, const Sight& sight) noexcept;
   void note_refusal(const Hypothesis& hypothesis, const Verification& verification) noexcept;
-  Result<LandmarkObservation> observe(const Sight& sight, const Accepted& from, Numbering numbering) const noexcept;
+  Result<LandmarkObservation> observe(const BlobList& blobs, const Accepted& from, Numbering numbering) const noexcept;
   bool is_cut(const Hypothesis& hypothesis, std::size_t dot, const Blob& blob) const noexcept;
 
   CameraModel camera;
   LandmarkGeometry landmark;
   DetectorOptions options;
-  Sight whole, window, close;
-  ImageBuffer enlarged;
+  Sight whole, window;
+  CloseLook close;
   SortedBlobs sorted;
   HypothesisList hypotheses;
   InlineVector<Accepted, kMaxAccepted> accepted;  ///< the best first
@@ -162,7 +156,6 @@ void Detector::Workspace::look(const ImageView& luma, const SearchArea& area, Si
                                WorkBudget& budget) noexcept {
   sight.area = area;
   sight.finder.find_blobs(area.cut(luma), area.levels, sight.blobs, budget);
-  sight.noise_lsb = sight.finder.noise_lsb();
   for (Blob& blob : sight.blobs) {
     blob.x_px += static_cast<float>(area.x_px);
     blob.y_px += static_cast<float>(area.y_px);
@@ -191,7 +184,7 @@ Result<LandmarkObservation> Detector::Workspace::match(const ImageView& luma, Si
   }
   budget.is_overdrawn |= !got_through;
   if (accepted.empty()) return fail(Errc::kNoLandmark, "no landmark in the picture");
-  return observe(sight, accepted[0], numbering);
+  return observe(sight.blobs, accepted[0], numbering);
 }
 
 /// All that may be a landmark, whatever is already known of some of it.
@@ -219,126 +212,91 @@ void Detector::Workspace::find_all(const ImageView& luma, WorkBudget& budget) no
   verify_all(luma, whole);
   found.clear();
   for (const Accepted& from : accepted)
-    if (const auto seen = observe(whole, from, Numbering::kByPriors); seen && !is_found(*seen))
-      (void)found.try_push_back(*seen);  // more than fit in there are refused where they are counted, in the map
+    if (const auto seen = observe(whole.blobs, from, Numbering::kByPriors)) keep_distinct(*seen);
   look_closer(luma, budget);
 }
 
-/// Whether it is one of those found.
-bool Detector::Workspace::is_found(const LandmarkObservation& seen) const noexcept {
-  const auto middle = [](const LandmarkObservation& o) { return map_point(o.H_ray_plane, Eigen::Vector2d::Zero()); };
-  const auto reach = [&](const LandmarkObservation& o) {
-    return landmark.ring_radius_m * jacobian_of_map(o.H_ray_plane, Eigen::Vector2d::Zero()).norm() /
-           std::numbers::sqrt2;
-  };
-  return std::ranges::any_of(found, [&](const LandmarkObservation& other) {
-    return (middle(seen) - middle(other)).norm() < kApart_radii * std::max(reach(seen), reach(other));
+/// Of a landmark, where its middle is: half the ring's size, as it lies in the directions of sight.
+double Detector::Workspace::reach_of(const LandmarkObservation& seen) const noexcept {
+  return landmark.ring_radius_m * jacobian_of_map(seen.H_ray_plane, Eigen::Vector2d::Zero()).norm() /
+         std::numbers::sqrt2;
+}
+
+/// Adds a landmark to those found unless it is one of them.
+void Detector::Workspace::keep_distinct(const LandmarkObservation& seen) noexcept {
+  for (const LandmarkObservation& other : found)
+    if ((middle_of(seen) - middle_of(other)).norm() < kApart_radii * std::max(reach_of(seen), reach_of(other))) return;
+  (void)found.try_push_back(seen);  // more than fit in there are refused where they are counted, in the map
+}
+
+/// Whether a spot belongs to a landmark that is found.
+bool Detector::Workspace::is_of_found(const Blob& blob) const noexcept {
+  const auto ray = camera.normalised_from_pixel({blob.x_px, blob.y_px});
+  return ray && std::ranges::any_of(found, [&](const LandmarkObservation& other) {
+           return (*ray - middle_of(other)).norm() < kApart_radii * reach_of(other);
+         });
+}
+
+/// Keeps those that are confirmed, the best first. \param verify_one  of a hypothesis \return  whether there is one
+template <typename VerifyOne>
+bool Detector::Workspace::keep_confirmed(VerifyOne&& verify_one) noexcept {
+  accepted.clear();
+  for (const Hypothesis& hypothesis : hypotheses) {
+    const Verification v = verify_one(hypothesis);
+    if (!v.accepted()) continue;
+    if (accepted.full()) {
+      if (v.score <= accepted[accepted.size() - 1].verification.score) continue;
+      accepted.pop_back();
+    }
+    (void)accepted.try_push_back({&hypothesis, v});  // there is room
+    for (std::size_t i = accepted.size() - 1; i > 0 && accepted[i - 1].verification.score < v.score; --i)
+      std::swap(accepted[i - 1], accepted[i]);
+  }
+  return !accepted.empty();
+}
+
+bool Detector::Workspace::verify_all(const ImageView& luma, const Sight& sight) noexcept {
+  return keep_confirmed([&](const Hypothesis& hypothesis) {
+    const Verification v = verify(luma, sight, hypothesis);
+    if (!v.accepted() && &sight == &whole) note_refusal(hypothesis, v);
+    return v;
   });
 }
 
-/// Distant landmarks, one by one, around what may be their P9: enlarged, so that the threshold has the picture's own
-/// pixels and no dot shares its darkest pixel with the next.
+/// Distant landmarks, one by one, around what may be their P9.
 void Detector::Workspace::look_closer(const ImageView& luma, WorkBudget& budget) noexcept {
   int allowance = kMostCloser;
   const std::size_t count = whole.blobs.size();
   const std::size_t done = go_round(count, close_begin, [&](std::size_t i) {
     const Blob& blob = whole.blobs[i];
-    if (!may_be_distant(luma, blob)) return true;
+    if (!close.may_be_centre(luma, blob) || is_of_found(blob)) return true;
     if (!take_one(allowance)) return false;
-    if (const auto seen = search_close(luma, blob, budget); seen && !is_found(*seen)) (void)found.try_push_back(*seen);
+    if (const auto seen = search_close(luma, blob, budget)) keep_distinct(*seen);
     return true;
   });
   budget.is_overdrawn |= done < count;
 }
 
-/// A small spot, dark enough for ink, with paper all around where the landmark is blank.
-bool Detector::Workspace::may_be_distant(const ImageView& luma, const Blob& blob) const noexcept {
-  const float semi_major_px = blob.semi_major_px();
-  if (semi_major_px < kLeastDistant_px || semi_major_px > kMostDistant_px) return false;
-  const auto grey_at = [&](double x_px, double y_px) {
-    const auto x = static_cast<int>(std::lround(x_px)), y = static_cast<int>(std::lround(y_px));
-    return luma.contains(x, y) ? static_cast<int>(luma.row(y)[x]) : -1;
-  };
-  const Eigen::Matrix2d axes = 2 * Eigen::LLT<Eigen::Matrix2d>(blob.moments_px2()).matrixL().toDenseMatrix();
-  // Halfway between P9's outline and those of the ring's dots.
-  const double blank = 0.5 * (1 + (landmark.ring_radius_m - landmark.dot_radius_m) / landmark.centre_radius_m);
-  constexpr int kDirections = 8;
-  int paper = 255;
-  for (int i = 0; i < kDirections; ++i) {
-    const double a_rad = i * 2 * std::numbers::pi / kDirections;
-    const Eigen::Vector2d off_px = blank * axes * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad));
-    paper = std::min(paper, grey_at(blob.x_px + off_px.x(), blob.y_px + off_px.y()));
-  }
-  return paper - grey_at(blob.x_px, blob.y_px) > paper / kInkShare;
-}
-
 Result<LandmarkObservation> Detector::Workspace::search_close(const ImageView& luma, const Blob& centre,
                                                               WorkBudget& budget) noexcept {
-  const int reach_px = static_cast<int>(kCloserReach * centre.semi_major_px()) + 2;
-  const int x_px = std::clamp(static_cast<int>(centre.x_px) - reach_px, 0, luma.width_px);
-  const int y_px = std::clamp(static_cast<int>(centre.y_px) - reach_px, 0, luma.height_px);
-  close.area = {
-      x_px, y_px, std::min(2 * reach_px, luma.width_px - x_px), std::min(2 * reach_px, luma.height_px - y_px), {0, 0}};
-  close.noise_lsb = whole.noise_lsb;
-  enlarge(close.area.cut(luma), enlarged);
-  close.finder.find_blobs(enlarged.view(), {0, 0}, close.blobs, budget);
-  for (Blob& blob : close.blobs) {
-    blob.x_px = 0.5F * (blob.x_px - 0.5F) + static_cast<float>(x_px);
-    blob.y_px = 0.5F * (blob.y_px - 0.5F) + static_cast<float>(y_px);
-    for (float* of_area : {&blob.area_px2, &blob.xx_px2, &blob.xy_px2, &blob.yy_px2}) *of_area *= 0.25F;
-    blob.level = kEnlarged;
-  }
-  sorted.assign(close.blobs);
+  BlobList& blobs = close.blobs_around(luma, centre, budget);
+  sorted.assign(blobs);
   hypotheses.clear();
   GuessBegin begin;
   budget.is_overdrawn |= !guess_from_centre(sorted, landmark, budget.guesses, begin.centre, hypotheses, cuts);
-  if (!verify_all(luma, close)) return fail(Errc::kNoLandmark, "no landmark there");
-  const Hypothesis& best = *accepted[0].hypothesis;
-  for (std::size_t dot = 0; dot < kDotCount; ++dot)
-    if (best.blob[dot] >= 0)
-      centre_blob(luma, best.H_px_plane, dot, close.blobs[static_cast<std::size_t>(best.blob[dot])]);
-  return observe(close, accepted[0], Numbering::kByPriors);
-}
-
-/// A threshold cuts a blurred dot where its neighbours' blur lets it; the middle of all its light is where it is.
-void Detector::Workspace::centre_blob(const ImageView& luma, const Eigen::Matrix3d& H_px_plane, std::size_t dot,
-                                      Blob& blob) const noexcept {
-  const Eigen::Matrix2d J = jacobian_of_map(H_px_plane, landmark.centre_m(dot));
-  if (!(J.determinant() > 0)) return;
-  const Eigen::Matrix2d to_plane = J.inverse();
-  // Halfway to what is next: another dot of the ring, or the ring.
-  const double reach_m = dot == kCentreDot
-                             ? 0.5 * (landmark.centre_radius_m + landmark.ring_radius_m - landmark.dot_radius_m)
-                             : landmark.ring_radius_m * std::sin(std::numbers::pi / kRingDotCount);
-  Eigen::Vector2d at(blob.x_px, blob.y_px);
-  for (int round = 0; round < 2; ++round) {  // paper that is not quite white draws it to the window's middle
-    const Eigen::Vector2d half = reach_m * J.rowwise().norm();
-    const auto first_x = static_cast<int>(std::ceil(at.x() - half.x())), last_x = static_cast<int>(at.x() + half.x());
-    const auto first_y = static_cast<int>(std::ceil(at.y() - half.y())), last_y = static_cast<int>(at.y() + half.y());
-    if (!luma.contains(first_x, first_y) || !luma.contains(last_x, last_y)) return;
-    const auto for_each = [&](auto&& use) {
-      for (int y = first_y; y <= last_y; ++y)
-        for (int x = first_x; x <= last_x; ++x) {
-          const Eigen::Vector2d off(x - at.x(), y - at.y());
-          if ((to_plane * off).squaredNorm() <= reach_m * reach_m) use(off, static_cast<int>(luma.row(y)[x]));
-        }
-    };
-    int paper = 0;
-    for_each([&](const Eigen::Vector2d&, int grey) { paper = std::max(paper, grey); });
-    Eigen::Vector2d sum(0, 0);
-    double weight = 0;
-    for_each([&](const Eigen::Vector2d& off, int grey) { sum += (paper - grey) * off, weight += paper - grey; });
-    if (!(weight > 0)) return;
-    at += sum / weight;
-  }
-  blob.x_px = static_cast<float>(at.x()), blob.y_px = static_cast<float>(at.y());
+  const bool is_confirmed = keep_confirmed([&](const Hypothesis& hypothesis) {
+    return verify_landmark(luma, hypothesis.H_px_plane, landmark, blobs, hypothesis, whole.finder.noise_lsb());
+  });
+  if (!is_confirmed) return fail(Errc::kNoLandmark, "no landmark there");
+  close.centre_blobs(luma, *accepted[0].hypothesis);
+  return observe(blobs, accepted[0], Numbering::kByPriors);
 }
 
 /// Small dots are looked at in the picture itself, larger ones at a level of the pyramid where noise is averaged away.
 Verification Detector::Workspace::verify(const ImageView& luma, const Sight& sight,
                                          const Hypothesis& hypothesis) const noexcept {
   const SearchArea& area = sight.area;
-  const double noise_lsb = sight.noise_lsb;
+  const double noise_lsb = sight.finder.noise_lsb();
   const Eigen::Matrix2d J = jacobian_of_map(hypothesis.H_px_plane, Eigen::Vector2d::Zero());
   const double semi_minor_px = landmark.dot_radius_m * std::abs(J.determinant()) / std::max(J.norm(), 1e-9);
   int level = 0;
@@ -351,26 +309,6 @@ Verification Detector::Workspace::verify(const ImageView& luma, const Sight& sig
   to_level(1, 2) = (0.5 - area.y_px) * scale - 0.5;
   return verify_landmark(sight.finder.picture_at(level), to_level * hypothesis.H_px_plane, landmark, sight.blobs,
                          hypothesis, noise_lsb * scale);
-}
-
-/// Keeps those that are confirmed, the best first. \return  whether there is one
-bool Detector::Workspace::verify_all(const ImageView& luma, const Sight& sight) noexcept {
-  accepted.clear();
-  for (const Hypothesis& hypothesis : hypotheses) {
-    const Verification v = verify(luma, sight, hypothesis);
-    if (!v.accepted()) {
-      if (&sight == &whole) note_refusal(hypothesis, v);
-      continue;
-    }
-    if (accepted.full()) {
-      if (v.score <= accepted[accepted.size() - 1].verification.score) continue;
-      accepted.pop_back();
-    }
-    (void)accepted.try_push_back({&hypothesis, v});  // there is room
-    for (std::size_t i = accepted.size() - 1; i > 0 && accepted[i - 1].verification.score < v.score; --i)
-      std::swap(accepted[i - 1], accepted[i]);
-  }
-  return !accepted.empty();
 }
 
 void Detector::Workspace::note_refusal(const Hypothesis& hypothesis, const Verification& verification) noexcept {
@@ -387,7 +325,7 @@ bool Detector::Workspace::is_cut(const Hypothesis& hypothesis, std::size_t dot, 
   return static_cast<double>(blob.area_px2) < whole_px2 * (kCutShare - kOutlineSlack_px / std::sqrt(whole_px2));
 }
 
-Result<LandmarkObservation> Detector::Workspace::observe(const Sight& sight, const Accepted& from,
+Result<LandmarkObservation> Detector::Workspace::observe(const BlobList& blobs, const Accepted& from,
                                                          Numbering numbering) const noexcept {
   const Hypothesis& hypothesis = *from.hypothesis;
   LandmarkObservation seen;
@@ -396,7 +334,7 @@ Result<LandmarkObservation> Detector::Workspace::observe(const Sight& sight, con
     DotObservation& d = seen.dots[dot];
     d.visible_fraction = from.verification.visible_fraction[dot];
     if (hypothesis.blob[dot] < 0) continue;
-    const Blob& blob = sight.blobs[static_cast<std::size_t>(hypothesis.blob[dot])];
+    const Blob& blob = blobs[static_cast<std::size_t>(hypothesis.blob[dot])];
     d.seen = d.visible_fraction >= kWholeOutline && !is_cut(hypothesis, dot, blob);
     d.centroid_px = {blob.x_px, blob.y_px};
     set_outline(blob.moments_px2(), d);
@@ -435,7 +373,7 @@ Result<std::span<const LandmarkObservation>> Detector::find_more_landmarks(const
   w.guess_everything(luma, budget);
   w.found.clear();
   for (const Workspace::Accepted& accepted : w.accepted.span().first(std::min(w.accepted.size(), kMaxGuesses)))
-    if (const auto seen = w.observe(w.whole, accepted, Workspace::Numbering::kByPriors))
+    if (const auto seen = w.observe(w.whole.blobs, accepted, Workspace::Numbering::kByPriors))
       (void)w.found.try_push_back(*seen);  // kMaxGuesses is less than it holds
   if (w.found.empty()) return fail(Errc::kNoLandmark, "no landmark in the picture");
   return w.found.span();
@@ -461,7 +399,7 @@ FailedSearch Detector::failed_search() const noexcept {
   const Workspace& w = *workspace_;
   FailedSearch failed;
   failed.spots = w.whole.blobs.span();
-  failed.noise_lsb = w.whole.noise_lsb;
+  failed.noise_lsb = w.whole.finder.noise_lsb();
   const auto is_seen = [](float visible_fraction) { return visible_fraction >= kSeenOutline; };
   if (!w.nearest || std::ranges::count_if(w.refused.visible_fraction, is_seen) < kLeastSeen) return failed;
   failed.refusal = w.refused.refusal;

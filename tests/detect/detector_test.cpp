@@ -378,49 +378,5 @@ TEST(Detector, SaysWhenNothingIsThereAndWhenTheSizeIsWrong) {
       Errc::kNoLandmark);
 }
 
-/// As a camera that turns sees it, four pixels an exposure.
-std::vector<std::uint8_t> blurred(const ImageView& luma) {
-  std::vector<std::uint8_t> pixels;
-  for (int y = 0; y < luma.height_px; ++y)
-    for (int x = 0; x < luma.width_px; ++x) {
-      int sum = 0;
-      for (int i = 0; i < 4; ++i) sum += luma.at(std::clamp(x + i - 1, 0, luma.width_px - 1), y);
-      pixels.push_back(static_cast<std::uint8_t>(sum / 4));
-    }
-  return pixels;
-}
-
-/// Dots of 2.4 px beside a P9 of 4.8: a threshold of half the size takes P9's ink for theirs, or sees no contrast.
-TEST(Detector, FindsAllThatIsDistantByLookingCloser) {
-  Detector unit(CameraModel{}, LandmarkGeometry{});
-  int found = 0;
-  for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    const test::Scene scene =
-        scene_at({.distance_m = 7.6, .tilt_rad = 20 * kDegree, .azimuth_rad = 0.7 * static_cast<double>(seed)}, 2);
-    const test::Picture picture = test::render(scene, seed);
-    const std::vector<std::uint8_t> moving = blurred(picture.view());
-    WorkBudget budget;
-    const auto seen = unit.find_all_landmarks({moving.data(), 640, 480, 640}, budget);
-    if (!seen) continue;
-    ASSERT_EQ(seen->size(), 1U) << seed;
-    ++found;
-    expect_dots_in_place(scene, seen->front(), 1.5);  // the blur's middle is half a pixel aside
-  }
-  EXPECT_GE(found, 9) << "of ten";
-}
-
-/// Spots that may be a P9 cost what is counted, however many there are: the next picture goes on with the rest.
-TEST(Detector, LooksCloserAtSoManySpotsAndNoMore) {
-  std::vector<std::uint8_t> pixels(640 * 480, 200);
-  for (std::size_t y = 10; y + 10 < 480; y += 20)
-    for (std::size_t x = 10; x + 10 < 640; x += 20)
-      for (std::size_t j = 0; j < 5; ++j)
-        for (std::size_t i = 0; i < 5; ++i) pixels[(y + j) * 640 + x + i] = 40;
-  Detector unit(CameraModel{}, LandmarkGeometry{});
-  WorkBudget budget;
-  EXPECT_FALSE(unit.find_all_landmarks({pixels.data(), 640, 480, 640}, budget));
-  EXPECT_TRUE(budget.is_overdrawn);
-}
-
 }  // namespace
 }  // namespace ninedot
