@@ -4,6 +4,10 @@
 # smoke: the part that ctest runs; pictures: those of docs/page.md, made anew; ar: the view AR alone. NINEDOT_BIN_DIR: where the programs are; default build/release/bin
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"
+case ${1:-} in
+  '' | smoke | pictures | ar) ;;
+  *) echo "tests/web: unknown part '$1': smoke, pictures or ar" >&2; exit 2 ;;
+esac
 
 # Left out, with the reason; status 77.
 leave_out() {
@@ -59,7 +63,6 @@ if [[ ${1:-} == ar ]]; then
   run ar_test.mjs
   exit
 fi
-[[ $# -eq 0 ]] || { echo "tests/web: unknown part '$1': smoke, pictures or ar" >&2; exit 2; }
 run page_test.mjs
 run aim_test.mjs
 run recordings_test.mjs
