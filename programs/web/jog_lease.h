@@ -25,9 +25,9 @@ class JogLease {
     kReturning,  ///< it had it; the head is to go back to what it did before
   };
 
-  /// Of motion, from the answer that the page had seen. A page sends every 30 ms, so that three of them may fail; the
-  /// service takes 90 ms more at most until the command stands, 200 ms in all.
-  static constexpr std::chrono::milliseconds kReach{110};
+  /// Of motion, from the answer that the page had seen. A page sends every 20 ms, so that three of them may fail; the
+  /// command that was on its way takes 20 ms more, and the service's report of the head 100 ms: 200 ms in all.
+  static constexpr std::chrono::milliseconds kReach{80};
   /// A page of which nothing was heard for so long has gone.
   static constexpr std::chrono::seconds kAway{5};
   /// One that does not jog for so long has forgotten that it has the head.

@@ -1,9 +1,9 @@
-// Hold to run: while something is held the server is told so every 30 ms, with the newest time that it told us. By that
-// time it lets the head turn for a tenth of a second, and no longer: whatever becomes of this page, its browser or the
+// Hold to run: while something is held the server is told so every 20 ms, with the newest time that it told us. By that
+// time it lets the head turn for 80 ms, and no longer: whatever becomes of this page, its browser or the
 // network, motion ends by the server's clock.
 import { authorised } from "./feed.js";
 
-const KEEP_ALIVE_MS = 30;
+const KEEP_ALIVE_MS = 20;
 const REFRESH_MS = 400;
 const MOST_UNDER_WAY = 3;
 
