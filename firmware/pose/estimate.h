@@ -48,16 +48,17 @@ struct OutlineFit {
   double residual_lsb = 0;
 };
 
-/// How far the outlines lie from those of discs of the landmark's sizes, in shares of the radius of the ring's dots,
-/// 0.. (outline_shape.h).
+/// How far the outlines lie from those of discs of the landmark's sizes, in shares of the radius that a disc as large
+/// as a dot of the ring would have in the picture, 0.. (outline_shape.h).
 struct OutlineShape {
-  double size = 0;         ///< some larger than others against the landmark's: of the median dot [1]
-  double second = 0;       ///< longer one way than the other: amplitude of the median dot [1]
-  double fourth = 0;       ///< with four corners: likewise [1]
-  double centre = 0;       ///< P9 aside [1]
-  double centre_size = 0;  ///< P9 larger or smaller than the ring's dots against the landmark's [1]
-  int absent = 0;          ///< dots that are printed elsewhere [1]
-  int hollow = 0;          ///< dots that are no ink in their middle [1]
+  bool is_unknown = false;  ///< somebody has looked, and too few outlines are sure enough to tell: the shares are 0
+  double size = 0;          ///< some larger than others against the landmark's: of the median dot [1]
+  double second = 0;        ///< longer one way than the other: amplitude of the median dot, of its short semi-axis [1]
+  double fourth = 0;        ///< with four corners: likewise [1]
+  double centre = 0;        ///< P9 aside [1]
+  double centre_size = 0;   ///< P9 larger or smaller than the ring's dots against the landmark's [1]
+  int absent = 0;           ///< dots that are not there, though nothing hides them [1]
+  int hollow = 0;           ///< dots that are no ink in their middle [1]
 };
 
 /// One reading of a picture.

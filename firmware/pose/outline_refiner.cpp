@@ -281,8 +281,10 @@ double OutlineRefiner::dot_radius_px() const noexcept {
 
 OutlineShape OutlineRefiner::shape() const noexcept {
   const auto visible = visible_share();
-  OutlineShape shape =
-      shape_of_outlines(pixels_, landmark_, state_, visible, weights_.noise_variance_lsb2, dot_radius_px());
+  const CameraFromLandmark& T = state_.T_camera_landmark;
+  const double cosine = std::abs(T.rotation.col(1).dot(T.translation_m.normalized()));  // of the tilt
+  OutlineShape shape = shape_of_outlines(pixels_, landmark_, state_, visible, weights_.noise_variance_lsb2,
+                                         {dot_radius_px(), cosine * dot_radius_px()});
   const CameraFromLandmark seen = as_exposed(state_.T_camera_landmark, state_.motion, camera_);
   shape.absent = count_absent(luma_, camera_, landmark_, seen, visible, weights_.fit);
   const double blur_px = std::sqrt(std::max(state_.blur_px2, 0.0));

@@ -17,7 +17,7 @@ constexpr double kBlurSigma_px2 = 0.1;  // prior of a dot's own blur: it is the 
 // much more in the median of nine once in thirty.
 constexpr double kNoiseVariances = 2.9;
 constexpr double kSizeSigmas = 1.5;  // likewise, of one part and the median's
-// An outline that noise leaves less sure than this share of the radius has no shape to speak of.
+// An outline that noise leaves less sure than this share of the short semi-axis has no shape to speak of.
 constexpr double kLeastSure = 0.1;
 constexpr int kLeastDots = 3;
 // So many pixels of a dot say enough of its shape, thinned to every fourth at most: they leave its parts sure to 0.035
@@ -28,6 +28,8 @@ constexpr int kEnoughPixels = 60, kMostThinned = 4;
 // of a ring's dot from where it belongs; what hides a dot has the grey of paper in some of them by chance.
 constexpr int kDirections = 16, kLeastBare = 4, kLeastInked = 2;
 constexpr double kInside = 0.7;
+// A dot may be hidden by something that is as white as paper; so many, each of them white all over, are not there.
+constexpr int kLeastBlank = 3;
 constexpr std::array<double, 6> kBeside{1.3, 1.6, 2.0, 2.4, 2.8, 3.2};  // the next dot begins at 3.8
 constexpr double kThere = 0.75;              // of its outline: a dot that is where it belongs
 constexpr double kPaper = 0.15, kInk = 0.5;  // how much darker than paper, of the contrast
@@ -63,7 +65,7 @@ double middle_of(Amounts& amounts) noexcept {
 
 OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const OutlineState& state,
                                const std::array<double, kDotCount>& visible_share, double noise_variance_lsb2,
-                               double dot_radius_px) noexcept {
+                               const DotAxes& dot_axes) noexcept {
   std::array<UnknownMatrix, kDotCount> normal;
   std::array<UnknownVector, kDotCount> gradient;
   normal.fill(UnknownMatrix::Zero());
@@ -90,7 +92,7 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
     const UnknownMatrix covariance = N.inverse();
     const UnknownVector part_px = covariance * gradient[dot];
     const double sigma_px = std::sqrt(covariance.diagonal().head<kShapeUnknowns>().maxCoeff());
-    if (!(sigma_px < kLeastSure * dot_radius_px)) continue;
+    if (!(sigma_px < kLeastSure * dot_axes.semi_minor_px)) continue;
     const auto amplitude_px = [&](Part cosine, Part sine) {
       return root_beyond(square(part_px(cosine)) + square(part_px(sine)), kNoiseVariances * square(sigma_px));
     };
@@ -103,7 +105,7 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
     (void)second_px.try_push_back(amplitude_px(kCos2, kSin2));
     (void)fourth_px.try_push_back(amplitude_px(kCos4, kSin4));
   }
-  if (size_px.size() < kLeastDots) return {};
+  if (size_px.size() < kLeastDots) return {.is_unknown = true};
 
   Amounts sorted = size_px;
   const double usual_px = middle_of(sorted);
@@ -111,8 +113,12 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
     centre_size_px = root_beyond(square(centre_size_px - usual_px), square(kSizeSigmas * centre_sigma_px));
   for (std::size_t i = 0; i < size_px.size(); ++i)
     size_px[i] = root_beyond(square(size_px[i] - usual_px), square(kSizeSigmas * size_sigma_px[i]));
-  return {middle_of(size_px) / dot_radius_px, middle_of(second_px) / dot_radius_px,
-          middle_of(fourth_px) / dot_radius_px, centre_px / dot_radius_px, centre_size_px / dot_radius_px};
+  const double mean_px = dot_axes.mean_px(), semi_minor_px = dot_axes.semi_minor_px;
+  return {.size = middle_of(size_px) / mean_px,
+          .second = middle_of(second_px) / semi_minor_px,
+          .fourth = middle_of(fourth_px) / semi_minor_px,
+          .centre = centre_px / mean_px,
+          .centre_size = centre_size_px / mean_px};
 }
 
 namespace {
@@ -159,11 +165,12 @@ int count_absent(const ImageView& luma, const CameraModel& camera, const Landmar
                  const OutlineFit& fit) noexcept {
   const auto is_missing = [&](std::size_t dot) { return visible_share[dot % kRingDotCount] < kThere; };
   const SheetLight light{luma, camera, T_camera_landmark, fit};
-  int absent = 0;
+  int absent = 0, blank = 0;
   for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
     const bool before = is_missing(dot + 7), after = is_missing(dot + 1);
     const bool row_is_short = !(before && (after || is_missing(dot + 6))) && !(after && is_missing(dot + 2));
-    if (!is_missing(dot) || !row_is_short) continue;
+    if (!is_missing(dot)) continue;
+    const auto middle = light.darkness_at(landmark.centre_m(dot));
     int bare = 0, inked = 0;
     for (int i = 0; i < kDirections; ++i) {
       const double a_rad = i * 2 * std::numbers::pi / kDirections;
@@ -175,9 +182,10 @@ int count_absent(const ImageView& luma, const CameraModel& camera, const Landmar
       bare += inside && std::abs(*inside) < kPaper;
       for (const double radii : kBeside) inked += light.darkness_at(at(radii)) > kInk;
     }
-    if (bare >= kLeastBare && inked >= kLeastInked) ++absent;
+    if (row_is_short && bare >= kLeastBare && inked >= kLeastInked) ++absent;
+    blank += visible_share[dot] < kMinVisible && bare == kDirections && middle && std::abs(*middle) < kPaper;
   }
-  return absent;
+  return absent + (blank >= kLeastBlank ? blank : 0);
 }
 
 }  // namespace ninedot

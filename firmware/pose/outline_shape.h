@@ -1,24 +1,32 @@
 #pragma once
 /// Whether what was fitted are discs of the landmark's sizes: what the outlines leave when the pose is right.
 #include <array>
+#include <cmath>
 
 #include "pose/estimate.h"
 #include "pose/outline_sums.h"
 
 namespace ninedot {
 
+/// Semi-axes of an ellipse [px], both above 0. Of a dot seen from aside most of the outline runs along the long one:
+/// another shape moves it by a share of the short one.
+struct DotAxes {
+  double semi_major_px, semi_minor_px;
+  double mean_px() const noexcept { return std::sqrt(semi_major_px * semi_minor_px); }  ///< radius of a disc as large
+};
+
 /// How far the outlines lie from those of discs, beyond what noise makes of them.
 /// \param visible_share  of each dot's outline, 0..1: the others have no shape
 /// \param noise_variance_lsb2  of one pixel [LSB^2]
-/// \param dot_radius_px  of the ring's dots [px]
+/// \param dot  of the ring
 /// \return  `absent` and `hollow` are left 0
 /// Memory: none. Threads: pure.
 OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const OutlineState& state,
                                const std::array<double, kDotCount>& visible_share, double noise_variance_lsb2,
-                               double dot_radius_px) noexcept;
+                               const DotAxes& dot) noexcept;
 
-/// Dots of the ring that are printed elsewhere: missing, one or two in a row, each with paper in a part of its place
-/// and ink beside it. \param visible_share  of each dot's outline, 0..1 \param fit  of the outlines that are there
+/// Dots of the ring that nothing hides: printed elsewhere, one or two in a row, each with paper in a part of its place
+/// and ink beside it; or three and more with nothing but paper in their places. \param visible_share  of each dot's outline, 0..1 \param fit  of the outlines that are there
 /// Memory: none. Threads: pure.
 int count_absent(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
                  const CameraFromLandmark& T_camera_landmark, const std::array<double, kDotCount>& visible_share,

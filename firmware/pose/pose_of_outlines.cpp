@@ -28,19 +28,24 @@ constexpr double kRounding_lsb2 = 1.0 / 12;  // of a picture without noise: whol
 // less, and look-alikes in photographs an eighth of the contrast at least.
 constexpr std::array<double, kDotCount + 1> kFitContrast{0.02, 0.02, 0.02, 0.02, 0.02, 0.02, 0.03, 0.06, 0.08, 0.10};
 
-// Of a dot's radius: how far the outlines of a print may lie from where they should, root mean square, by how many dots
-// the pose rests on. Sheets behind plastic bend by as much. With half of the dots a wrong pose follows all but a
-// print's flatness: 26 such poses (50 % hidden) lay off by 0.06 to 0.23 px, true ones by 0.004 to 0.04 px in nine of
-// ten.
-constexpr std::array<double, kDotCount + 1> kPrintMisfit{0, 0, 0, 0, 0, 0, 0, 0.05, 0.08, 0.12};
-constexpr double kPrintMisfit_px = 0.03;
-constexpr int kFewDots = 6;
+// Of a dot's radius: how far the outlines of a print may lie from where they should, root mean square. Bumpy sheets
+// leave up to 0.03. With half of the dots a wrong pose follows all but a print's flatness: 26 such poses (50 % hidden)
+// lay off by 0.06 to 0.23 px, true ones by 0.004 to 0.04 px in nine of ten.
+constexpr double kPrintMisfit = 0.05, kPrintMisfit_px = 0.03;
+// The same of dots whose shape nobody can tell: flat sheets leave that.
+constexpr double kShapelessMisfit = 0.02;
+// Of more dots beside that, in shares of a blur that is wide (kBlurThatHides) or longer one way: no lens and no
+// motion blurs as a Gaussian does. Discs of confusion of 3 px leave 0.08 of a dot of 3 px, motion by 8 px 0.12.
+constexpr double kBlurMisfit = 0.2, kMotionMisfit = 0.15;
+constexpr std::size_t kFewDots = 6;
 constexpr double kFewDotsMisfit = 0.002;  // of a dot's radius, beside kPrintMisfit_px
 constexpr double kNoiseMisfit_px = 0.8;   // times residual over contrast: an outline's shift by noise
-// Common offset of all outlines, in sigmas of the blur: sRGB moves a blurred edge by 0.47 of them, whatever the blur
-// (0.5 to 1.9 px, rendered); more is another size of dots. Inwards clipped paper moves them as well, twice as far.
-constexpr double kMostOffset = 0.6, kMostInwards = 1.2, kMostOffset_px = 0.1;
-// Of a dot's radius, how far outlines may lie from discs' (outline_shape.h). Over 1500 rendered pictures true landmarks
+// Common offset of all outlines, in sigmas of the blur: sRGB moves a blurred edge inwards by 0.46 of them, whatever the
+// blur (0.5 to 1.9 px, rendered), sharpening by 0.8, a steep tone curve or clipped paper by 1.3; more is another size
+// of dots. Nothing that a camera does moves them outwards, and what print and paper add to ink is a share of the
+// radius.
+constexpr double kMostInwards = 1.2, kMostOutwards = 0.15, kMostOffset_px = 0.1, kDotGain = 0.02;
+// How far outlines may lie from discs', in the shares of outline_shape.h. Over 1500 rendered pictures true landmarks
 // had 0.04 at most (size), 0.04 (second), 0.026 (fourth) and 0.1 (P9 aside, warped sheets). A square has 0.11 (fourth),
 // an ellipse of 0.6 to 1 has 0.26 (second), dots of growing size 0.1.
 constexpr double kMostSize = 0.05, kMostSecond = 0.12, kMostFourth = 0.04, kMostAside = 0.2;
@@ -48,35 +53,58 @@ constexpr double kMostSize = 0.05, kMostSecond = 0.12, kMostFourth = 0.04, kMost
 constexpr double kMostCentreSize = 0.1;
 constexpr double kColouredSize = 0.04;  // beside kMostSize
 // Motion by 2 to 10 px leaves up to 0.29 (second) and 0.31 (P9's size) of dots of 3 to 4 px (120 rendered pictures):
-// less than so much beside the limits above, in shares of the blur's second harmonic and of its excess over a sharp
-// one.
-constexpr double kPerAlong = 3, kSharp_px2 = 0.9, kPerBlur = 2;
+// less than so much beside the limits above, in shares of the blur's second harmonic. Lenses out of focus leave P9 as
+// it is, to 0.03.
+constexpr double kPerAlong = 3, kCentrePerAlong = 2;
 // Four corners are blurred away first: of dots of two sigmas what a profile that is no Gaussian leaves of the contrast
 // (1 % of it, drawn dots of 4.6 px) looks like 0.1 of them, which is what a square of that size has. From three on they
 // can be told.
 constexpr double kFourthPerBlur = 0.55, kBlurThatHides = 0.1;
+// Sharpening by 150 % leaves -1 where dots are small; blur that is too wide by far asks for ink darker than black.
+constexpr double kDarkestInk_lsb = -10;
 // Of P9's outline. A straight edge that leaves five ring dots leaves two thirds of P9's outline, one that leaves four a
 // quarter: half of that, for the dots beside the edge count as whole when they are not quite.
 constexpr double kCentreBesideFive = 0.33, kCentreBesideFour = 0.12;
 constexpr double kWholeDot = 0.9;            // visible share: the dot counts as whole
 constexpr double kCentreOfWholeRing = 0.75;  // of P9's outline, where nothing hides a dot around it
 
+double square(double x) noexcept { return x * x; }
+
+/// The blur's second harmonic, of a dot's radius squared: motion.
+double along_of(const PoseCandidate& candidate) noexcept {
+  return std::hypot(candidate.outlines.blur_cos_px2, candidate.outlines.blur_sin_px2) / square(candidate.dot_radius_px);
+}
+
+/// By how much the blur is wider than one that leaves dots of such a radius squared their form, in shares of that.
+double wide_of(const PoseCandidate& candidate, double radius2_px2) noexcept {
+  return std::max(candidate.outlines.blur_px2 / radius2_px2 - kBlurThatHides, 0.0);
+}
+
+/// How far the outlines of a print may lie from where they should, root mean square [px].
+double most_misfit_px(const PoseCandidate& candidate, std::size_t dots, double noise_lsb) noexcept {
+  const double radius_px = candidate.dot_radius_px;
+  const OutlineFit& fit = candidate.fit;
+  if (dots <= kFewDots)
+    return kFewDotsMisfit * radius_px + kPrintMisfit_px + kNoiseMisfit_px * fit.residual_lsb / fit.contrast_lsb;
+  const double by_blur_px =
+      (kBlurMisfit * wide_of(candidate, square(radius_px)) + kMotionMisfit * along_of(candidate)) * radius_px;
+  if (candidate.shape.is_unknown)
+    return kShapelessMisfit * radius_px + kPrintMisfit_px + by_blur_px + kNoiseMisfit_px * noise_lsb / fit.contrast_lsb;
+  return kPrintMisfit * radius_px + kPrintMisfit_px + by_blur_px;
+}
+
 /// Discs of the landmark's sizes, and none printed elsewhere.
 bool are_discs(const PoseCandidate& candidate, bool is_coloured) noexcept {
   const OutlineShape& shape = candidate.shape;
-  const double r2_px2 = std::pow(candidate.dot_radius_px, 2);
   // Motion makes all dots longer in one direction; ellipses that lie in several look blurred alike.
-  const double along = std::hypot(candidate.outlines.blur_cos_px2, candidate.outlines.blur_sin_px2) / r2_px2;
-  const double smeared = std::max(candidate.outlines.blur_px2 - kSharp_px2, 0.0) / r2_px2;
-  const auto& visible = candidate.visible_share;
-  const bool ring_is_whole =
-      std::all_of(visible.begin(), visible.begin() + kRingDotCount, [](double share) { return share >= kWholeDot; });
-  const double hidden = std::max(std::max(candidate.outlines.blur_px2, 0.0) / r2_px2 - kBlurThatHides, 0.0);
-  const double most_fourth = kMostFourth + kFourthPerBlur * hidden;
+  const double along = along_of(candidate);
+  const Eigen::Vector3d& from_m = candidate.pose.T_landmark_camera.translation_m;
+  const double semi_axes_px2 = square(candidate.dot_radius_px) * std::abs(from_m.y()) / from_m.norm();
+  const double most_fourth = kMostFourth + kFourthPerBlur * wide_of(candidate, semi_axes_px2);
   const double most_size = kMostSize + (is_coloured ? kColouredSize : 0);
-  const bool centre_is_other = !is_coloured && shape.centre_size > kMostCentreSize + kPerBlur * smeared;
+  const bool centre_is_other = !is_coloured && shape.centre_size > kMostCentreSize + kCentrePerAlong * along;
   return shape.size <= most_size && shape.second <= kMostSecond + kPerAlong * along && shape.fourth <= most_fourth &&
-         shape.absent == 0 && shape.hollow == 0 && !(ring_is_whole && (shape.centre > kMostAside || centre_is_other));
+         shape.absent == 0 && shape.hollow == 0 && !(has_whole_ring(candidate) && (shape.centre > kMostAside || centre_is_other));
 }
 
 /// What hides a landmark comes from outside: it hides P9 after dots of the ring, and neighbours together.
@@ -144,20 +172,26 @@ PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& cam
   return candidate;
 }
 
+bool has_whole_ring(const PoseCandidate& candidate) noexcept {
+  const auto& visible = candidate.visible_share;
+  return std::all_of(visible.begin(), visible.begin() + kRingDotCount, [](double share) { return share >= kWholeDot; });
+}
+
 bool fits_picture(const PoseCandidate& candidate, const PictureNoise& noise, const FitAllowance& allowance) noexcept {
   const OutlineFit& fit = candidate.fit;
   const double of_paper = noise.at(fit.paper_lsb), of_ink = noise.at(fit.paper_lsb - fit.contrast_lsb);
   const double noise_lsb2 = 0.5 * (of_paper * of_paper + of_ink * of_ink) + kRounding_lsb2;
   const auto dots = static_cast<std::size_t>(std::clamp<int>(candidate.pose.dots_used, 0, kDotCount));
-  const double light_lsb = kFitContrast[dots] * fit.contrast_lsb;
-  double misfit_px = kPrintMisfit[dots] * candidate.dot_radius_px + kPrintMisfit_px + allowance.misfit_px;
-  if (candidate.pose.dots_used <= kFewDots)
-    misfit_px += kFewDotsMisfit * candidate.dot_radius_px + kNoiseMisfit_px * fit.residual_lsb / fit.contrast_lsb;
-  if (!(candidate.pose.rms_px <= misfit_px)) return false;
+  // Nine dots in their places are no chance; nine places of what nobody can tell the shape of may be.
+  const double light_lsb = kFitContrast[candidate.shape.is_unknown ? 0 : dots] * fit.contrast_lsb;
+  if (candidate.shape.is_unknown && dots <= kFewDots) return false;
+  if (!(candidate.pose.rms_px <= most_misfit_px(candidate, dots, std::sqrt(noise_lsb2)) + allowance.misfit_px))
+    return false;
   const double blur_px = std::sqrt(std::max(candidate.outlines.blur_px2, 0.0));
   const double offset_px = candidate.outlines.offset_px;
-  const double most_px = (offset_px < 0 ? kMostInwards : kMostOffset) * blur_px + kMostOffset_px;
-  if (!(std::abs(offset_px) <= most_px)) return false;
+  if (!(offset_px >= -kMostInwards * blur_px - kMostOffset_px)) return false;
+  if (!(offset_px <= kMostOutwards * blur_px + kMostOffset_px + kDotGain * candidate.dot_radius_px)) return false;
+  if (!(fit.paper_lsb - fit.contrast_lsb >= kDarkestInk_lsb)) return false;
   if (!is_plausibly_hidden(candidate.visible_share)) return false;
   if (!are_discs(candidate, allowance.is_coloured)) return false;
   return fit.residual_lsb <= kMostResidual * fit.contrast_lsb &&

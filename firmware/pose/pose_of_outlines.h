@@ -25,6 +25,10 @@ struct FitAllowance {
 };
 inline constexpr double kForetoldMisfit_px = 0.25;  ///< where a map and a track say that it is there
 
+/// Whether all dots of the ring are there, each as a whole: what fits no picture then is something else that looks like
+/// the landmark, and not the landmark hidden in part. Memory: none. Threads: pure.
+bool has_whole_ring(const PoseCandidate& candidate) noexcept;
+
 /// Whether the picture's grey levels agree with a pose, judged by the picture's own noise: something that only
 /// resembles a landmark leaves residuals of an eighth of its contrast and more, however well its outlines fit each
 /// other. Measured: docs/method.md, section 9. \param noise  of the same picture Memory: none. Threads: pure.

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "tests/support/renderer.h"
@@ -88,6 +90,47 @@ TEST(LandmarkSeeker, KnowsOfALandmarkThatIsFoundWhereItWasThatItHardlyMoved) {
   ASSERT_TRUE(unit.look(1, true));
   EXPECT_LT(unit.rate_sigma_rad_s(), 0.05);
   EXPECT_GT(unit.rate_sigma_rad_s(), 0.01) << "of two frames, not of a track";
+}
+
+/// Squares of the dots' area.
+test::Sheet squares() {
+  test::Sheet sheet = test::nine_dot_sheet();
+  for (const test::Disc& disc : sheet.discs) {
+    const double half_m = 0.5 * std::sqrt(std::numbers::pi) * disc.radius_m;
+    sheet.bars.push_back({disc.x_m - half_m, disc.z_m, disc.x_m + half_m, disc.z_m, 2 * half_m});
+  }
+  sheet.discs.clear();
+  return sheet;
+}
+
+test::Picture picture_of(const test::Sheet& sheet, double distance_m) {
+  test::Scene scene;
+  scene.camera = test::look_at_landmark({.distance_m = distance_m, .tilt_rad = 0.4, .azimuth_rad = 0.7});
+  scene.sheets = {sheet};
+  set_noise(scene.sensor, 1.5);
+  return test::render(scene, 1);
+}
+
+/// What is too small to be told from a landmark may be more of what was near enough, and frames end before all is
+/// looked at: a wall of such things is none of its far ones either.
+TEST(LandmarkSeeker, TakesNothingSmallerThanWhatWasNoLandmarkASecondAgo) {
+  const test::Picture alike = picture_of(squares(), 1.5), further = picture_of(test::nine_dot_sheet(), 2.5),
+                      nearer = picture_of(test::nine_dot_sheet(), 1.2);
+  LandmarkSeeker unit{CameraModel{}, {}};
+  const auto is_found = [&](const test::Picture& picture, MonoTime at) {
+    Frame frame;
+    frame.luma = picture.view();
+    frame.set_exposure(at, 4ms);
+    unit.begin(frame, WorkBudget{});
+    Track track{TrackOptions{}};
+    const auto seen = unit.detector().find_landmarks(frame.luma);
+    return seen && unit.solve_guess(frame, seen->front(), track);
+  };
+  EXPECT_TRUE(is_found(further, MonoTime(1s)));
+  EXPECT_FALSE(is_found(alike, MonoTime(2s)));
+  EXPECT_FALSE(is_found(further, MonoTime(2500ms)));
+  EXPECT_TRUE(is_found(nearer, MonoTime(2600ms)));
+  EXPECT_TRUE(is_found(further, MonoTime(3100ms)));
 }
 
 }  // namespace

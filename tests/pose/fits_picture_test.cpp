@@ -10,6 +10,7 @@ namespace {
 PoseCandidate candidate_with(int dots, double residual_lsb) {
   PoseCandidate candidate;
   candidate.pose.dots_used = dots;
+  candidate.pose.T_landmark_camera.translation_m = {0, -1, 0};
   candidate.dot_radius_px = 6;
   candidate.outlines.blur_px2 = 0.5;
   candidate.visible_share[kCentreDot] = 1;
@@ -43,6 +44,56 @@ TEST(FitsPicture, FiveGreyLevelsOfContrastAreTextureInAUsualPicture) {
   EXPECT_TRUE(fits_picture(candidate, usual, {}));
   candidate.fit.contrast_lsb = 5;
   EXPECT_FALSE(fits_picture(candidate, usual, {}));
+}
+
+TEST(FitsPicture, NothingThatACameraDoesMovesOutlinesOutwards) {
+  const PictureNoise usual = noise_of(2);
+  PoseCandidate candidate = candidate_with(9, 2);
+  candidate.outlines.offset_px = -0.8;
+  EXPECT_TRUE(fits_picture(candidate, usual, {})) << "clipped, or sharpened";
+  candidate.outlines.offset_px = 0.8;
+  EXPECT_FALSE(fits_picture(candidate, usual, {}));
+  candidate.outlines.offset_px = 0.3;
+  EXPECT_TRUE(fits_picture(candidate, usual, {})) << "ink that ran";
+}
+
+TEST(FitsPicture, NoInkIsDarkerThanBlack) {
+  const PictureNoise usual = noise_of(2);
+  PoseCandidate candidate = candidate_with(9, 2);
+  candidate.fit = {170, 178, 2};
+  EXPECT_TRUE(fits_picture(candidate, usual, {}));
+  candidate.fit = {190, 178, 2};
+  EXPECT_FALSE(fits_picture(candidate, usual, {}));
+}
+
+TEST(FitsPicture, OutlinesLieOffByWhatBlurThatIsNoGaussianLeaves) {
+  const PictureNoise usual = noise_of(2);
+  PoseCandidate candidate = candidate_with(9, 2);
+  candidate.pose.rms_px = 0.5;
+  EXPECT_FALSE(fits_picture(candidate, usual, {}));
+  candidate.outlines.blur_px2 = 12;
+  EXPECT_TRUE(fits_picture(candidate, usual, {})) << "out of focus";
+  candidate.outlines.blur_px2 = 8;
+  EXPECT_FALSE(fits_picture(candidate, usual, {}));
+  candidate.outlines.blur_cos_px2 = 4;
+  EXPECT_TRUE(fits_picture(candidate, usual, {})) << "moved";
+}
+
+TEST(FitsPicture, DotsWhoseShapeNobodyCanTellAreHeldAgainstStricterLimits) {
+  const PictureNoise quiet = noise_of(2);
+  const auto fits = [&](PoseCandidate candidate, bool is_unknown) {
+    candidate.shape.is_unknown = is_unknown;
+    return fits_picture(candidate, quiet, {});
+  };
+  EXPECT_TRUE(fits(candidate_with(9, 2), true));
+  EXPECT_TRUE(fits(candidate_with(6, 2), false));
+  EXPECT_FALSE(fits(candidate_with(6, 2), true)) << "six spots in their places may be chance";
+  EXPECT_TRUE(fits(candidate_with(9, 8), false));
+  EXPECT_FALSE(fits(candidate_with(9, 8), true)) << "more than noise";
+  PoseCandidate off = candidate_with(9, 2);
+  off.pose.rms_px = 0.25;
+  EXPECT_TRUE(fits(off, false));
+  EXPECT_FALSE(fits(off, true)) << "a sheet that is not flat";
 }
 
 }  // namespace

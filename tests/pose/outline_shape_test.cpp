@@ -62,16 +62,19 @@ TEST(OutlineShape, OfTheLandmarkItselfIsThatOfDiscsFromEverySide) {
 }
 
 TEST(OutlineShape, TellsSquaresOfTheSameArea) {
-  for (const double distance_m : {0.6, 1.2, 2.0}) {
+  struct {
+    double distance_m, tilt_rad, fourth;
+  } const views[]{{0.6, 0.4, 0.12}, {1.2, 0.4, 0.12}, {2.0, 0.4, 0.12}, {2.0, 1.1, 0.1}};
+  for (const auto& [distance_m, tilt_rad, fourth] : views) {
     test::Sheet sheet = test::nine_dot_sheet();
     for (const test::Disc& disc : sheet.discs) {
       const double half_m = 0.5 * std::sqrt(std::numbers::pi) * disc.radius_m;
       sheet.bars.push_back({disc.x_m - half_m, disc.z_m, disc.x_m + half_m, disc.z_m, 2 * half_m});
     }
     sheet.discs.clear();
-    const auto looked = look_at(sheet, {.distance_m = distance_m, .tilt_rad = 0.4, .azimuth_rad = 0.7});
+    const auto looked = look_at(sheet, {.distance_m = distance_m, .tilt_rad = tilt_rad, .azimuth_rad = 0.7});
     ASSERT_TRUE(looked) << "or this picture tests nothing: " << distance_m << " m";
-    EXPECT_NEAR(looked->candidate.shape.fourth, 0.11, 0.03) << distance_m << " m";
+    EXPECT_NEAR(looked->candidate.shape.fourth, fourth, 0.04) << distance_m << " m";
     EXPECT_FALSE(looked->fits) << distance_m << " m";
   }
 }
@@ -134,8 +137,8 @@ TEST(OutlineShape, IsAllowedToBeWhatMotionInOneDirectionMakesOfIt) {
   EXPECT_TRUE(fits_picture(candidate, PictureNoise(picture.view())));
   candidate.shape.centre_size = 0.2;
   EXPECT_TRUE(fits_picture(candidate, PictureNoise(picture.view()))) << "smeared";
-  candidate.outlines.blur_px2 = 1;
-  EXPECT_FALSE(fits_picture(candidate, PictureNoise(picture.view()))) << "sharp";
+  candidate.outlines.blur_cos_px2 = 0, candidate.shape.second = 0;
+  EXPECT_FALSE(fits_picture(candidate, PictureNoise(picture.view()))) << "out of focus alone";
   candidate.shape = {};
   EXPECT_TRUE(fits_picture(candidate, PictureNoise(picture.view())));
   candidate.shape.hollow = 1;
@@ -198,6 +201,14 @@ TEST(CountAbsent, AsksForPaperInTheDotsPlaceAndInkBesideIt) {
   EXPECT_EQ(absent_of(hidden, {2}), 0) << "a grey thing before it";
   hidden.discs.back().reflectance = hidden.reflectance;
   EXPECT_EQ(absent_of(hidden, {2}), 0) << "a white thing before it: no ink beside";
+}
+
+TEST(CountAbsent, CountsDotsThatAreNotThereWhereNothingButPaperIs) {
+  test::Sheet half = test::nine_dot_sheet();
+  half.discs.erase(half.discs.begin() + 1, half.discs.begin() + 5);
+  EXPECT_EQ(absent_of(half, {1, 2, 3, 4}), 4);
+  half.discs.push_back({kRing_m, 0, 5 * kDot_m, 0.3});
+  EXPECT_EQ(absent_of(half, {1, 2, 3, 4}), 0) << "a grey thing before most of them";
 }
 
 TEST(CountAbsent, LeavesLongRowsToWhatHidesThem) {

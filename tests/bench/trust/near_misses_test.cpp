@@ -44,7 +44,21 @@ INSTANTIATE_TEST_SUITE_P(
                     LookAlike{"ARingOfSevenAndACentre", "ring of 7 and a centre", {73, 100}},
                     LookAlike{"ARingOfNineAndACentre", "ring of 9 and a centre", {3, 16, 18, 23}},
                     LookAlike{"ARingOf072OfTheRadius", "ring of 0.72 R", {3, 10, 11, 12}},
-                    LookAlike{"Keyboards", "keyboards", {1, 5, 11, 12}}, LookAlike{"Dice", "dice", {66, 165, 175}}),
+                    LookAlike{"Keyboards", "keyboards", {1, 5, 11, 12}}, LookAlike{"Dice", "dice", {66, 165, 175}},
+                    LookAlike{"HalfOfWhichIsNotThere", "arcs of dots", {15560919340042203995U, 10054856911819013247U}},
+                    LookAlike{"ThreeSpots", "arcs of dots", {448681750029585703U}},
+                    LookAlike{"RingsOf14OfTheRadiusFromAside",
+                              "ring of 1.4 R",
+                              {1870171829768299490U, 18180937317587794297U, 3415425033192107199U}},
+                    LookAlike{"TwoRings", "two concentric rings", {17320328543251747921U}},
+                    LookAlike{"EllipsesFromAside", "ellipses for dots", {4728282974048918888U, 1862047198337096385U}},
+                    LookAlike{"SquaresFromAside", "squares for dots", {12817026344986193459U, 16287834567679173667U}},
+                    LookAlike{
+                        "SquaresOfWhichTheNearestAreKnownForWhatTheyAre", "squares for dots", {7306767430684577609U}},
+                    LookAlike{"HollowDots", "hollow dots", {5421986315511004047U}},
+                    LookAlike{"BlurredLoudspeakers",
+                              "loudspeakers",
+                              {10289143211973830239U, 4898712838293917899U, 14529909789976999799U}}),
     [](const auto& look_alike) { return look_alike.param.test; });
 
 /// In medians of a usual frame, where these took 12 and more before work was counted. The quickest of three runs: what
