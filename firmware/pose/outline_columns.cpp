@@ -85,15 +85,17 @@ inline void fill_beyond(const Pixels& some, const DotView& v, Lanes& beyond) noe
   for (std::size_t l = 0; l < kLanes; ++l) beyond[l] = some.there[l] - on_sheet[l];
 }
 
-/// The columns of the group's light, by the share of each pixel that is ink.
+/// The columns of the group's light, by the share of each pixel that is ink. A slope of the light is one of the paper
+/// and, as far as it is lit, of the ink: left out, it moves the dot.
 inline void fill_light(const Pixels& some, const OutlineGroup& group, const DotView& v, float first_luma,
                        OutlineColumns& columns) noexcept {
   for (std::size_t l = 0; l < kLanes; ++l) {
-    const float paper = some.there[l] - columns[kInkColumn][l];
+    const float ink = columns[kInkColumn][l], paper = some.there[l] - ink;
+    const float lit = kSlopeUnit * (paper + v.ink_share * ink);
     columns[kGreyColumn][l] = (some.luma[l] - first_luma) * some.there[l];
     columns[kPaperColumn][l] = paper;
-    columns[kSlopeXColumn][l] = paper * (kSlopeUnit * (some.x_px[l] - group.centre_x_px));
-    columns[kSlopeYColumn][l] = paper * (kSlopeUnit * (some.y_px[l] - group.centre_y_px));
+    columns[kSlopeXColumn][l] = lit * (some.x_px[l] - group.centre_x_px);
+    columns[kSlopeYColumn][l] = lit * (some.y_px[l] - group.centre_y_px);
   }
   if (group.at_paper_edge)
     fill_beyond(some, v, columns[kBeyondColumn]);
@@ -235,6 +237,7 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
   blur_px2 = static_cast<float>(state.blur_px2);
   blur_cos_px2 = static_cast<float>(state.blur_cos_px2), blur_sin_px2 = static_cast<float>(state.blur_sin_px2);
   offset_px = static_cast<float>(state.offset_px);
+  ink_share = pixels.ink_share;
 }
 
 void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, const BlurredDisc& disc,

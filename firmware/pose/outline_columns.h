@@ -3,7 +3,7 @@
 ///
 /// METHOD, section 3: I = paper + (ink - paper) Phi(-d / s), d the signed distance to a projected disc's outline [px].
 /// Unknown everywhere: six of pose, a common offset of all outlines (tone curves), three of the blur (it may be wider
-/// in one direction: motion). Unknown in each group: paper, ink, what lies beyond the paper, and the paper's slope;
+/// in one direction: motion). Unknown in each group: paper, ink, what lies beyond the paper, and the light's slope;
 /// these are linear, and outline_sums.h eliminates them.
 #include <Eigen/Core>
 #include <array>
@@ -44,6 +44,7 @@ struct DotView {
   float radius_m, paper_radius_m;
   float bend;  ///< what the outline's curvature times (slope / depth)^3 is, over depth^3 [1/m^3 px^2]
   float blur_px2, blur_cos_px2, blur_sin_px2, offset_px;
+  float ink_share;  ///< OutlinePixels::ink_share
 };
 
 /// Some pixels of a group.

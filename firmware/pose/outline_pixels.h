@@ -14,8 +14,8 @@
 
 namespace ninedot {
 
-/// A whole small dot, or a stretch of a large dot's outline. Within it paper and ink are taken as constant (paper of a
-/// whole dot: as sloping), so that light may change from group to group as it likes.
+/// A whole small dot, or a stretch of a large dot's outline. Within it paper and ink are taken as constant (of a whole
+/// dot: as sloping), so that light may change from group to group as it likes.
 struct OutlineGroup {
   std::int32_t first = 0;  ///< index of its first pixel
   std::int32_t count = 0;
@@ -28,12 +28,16 @@ struct OutlineGroup {
 inline constexpr std::size_t kMaxSectors = 16;  ///< of one dot
 inline constexpr std::size_t kMaxGroups = kDotCount * kMaxSectors;
 
+inline constexpr float kUsualInkShare = 0.3F;  ///< of toner on paper, through an sRGB curve
+
 /// Pixels as columns, for loops that the compiler can turn into vector instructions.
 struct OutlinePixels {
   explicit OutlinePixels(std::size_t capacity);
   std::vector<float> x_px, y_px, ray_x, ray_y, luma;  ///< position, normalised ray (distortion removed), grey level
   std::size_t count = 0;
   InlineVector<OutlineGroup, kMaxGroups> groups;
+  /// By how much ink's grey level changes where the light does, when paper's changes by 1: kUsualInkShare until told.
+  float ink_share = kUsualInkShare;
   /// d(ray)/d(pixel) at each dot's centre.
   std::array<Eigen::Matrix2d, kDotCount> normalised_per_px;
   /// A dot's pixels before they are sorted into its groups.

@@ -25,6 +25,8 @@ constexpr double kThereTrust = 0.25;  // of a group that counts as seen: the wei
 constexpr double kSpoiledLight = 64;  // a misfit of eight times the allowed variance, squared: light, not another thing
 // Smooth light leaves 0.7 to 1.6 of the noise's variance over a whole dot; beyond this a shadow's edge crosses it.
 constexpr double kShadowVariance = 2.5;
+// What an sRGB curve, 1.055 L^(1/2.4) - 0.055, takes off each grey level that is in proportion to how it changes.
+constexpr double kToe_lsb = 0.055 * 255;
 constexpr int kLeastWholeDots = 5;   // more than half of a landmark's
 constexpr double kOutlierChi2 = 16;  // times the median group's: four times as far out
 
@@ -153,6 +155,11 @@ void weigh_groups(std::span<const OutlineGroup> groups, const GroupFits& fits, d
     weights.weight[i] = trust * noise_px2 / expected_px2;
   }
   weights.rms_px = sum_weight > 0 ? std::sqrt(sum_shift / sum_weight) : 0;
+}
+
+float ink_share_of(const OutlineFit& fit) noexcept {
+  const double ink_lsb = fit.paper_lsb - fit.contrast_lsb;
+  return static_cast<float>(std::clamp((ink_lsb + kToe_lsb) / (fit.paper_lsb + kToe_lsb), 0.0, 1.0));
 }
 
 bool split_shadowed_dots(std::span<const OutlineGroup> groups, const GroupFits& fits, double noise_variance_lsb2,

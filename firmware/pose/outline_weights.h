@@ -28,6 +28,10 @@ struct OutlineWeights {
 void weigh_groups(std::span<const OutlineGroup> groups, const GroupFits& fits, double shift_floor_px,
                   OutlineWeights& weights) noexcept;
 
+/// By how much ink's grey level changes where the light does, when paper's changes by 1 (OutlinePixels::ink_share).
+/// Memory: none. Threads: pure.
+float ink_share_of(const OutlineFit& fit) noexcept;
+
 /// A dot that a shadow's edge crosses does not fit one paper and one ink. Its sectors do, but for those on the edge.
 /// \param noise_variance_lsb2  of one pixel [LSB^2]
 /// \param split  of each dot: whether it is to be taken in sectors; set for those that are shadowed

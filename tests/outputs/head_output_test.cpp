@@ -163,7 +163,7 @@ TEST(HeadOutput, GoesOnBetweenFramesButTakesNoReportForANewOne) {
 /// Far away and seen from in front both mirror images fit: no pose may be acted on, but both hang in one place.
 TEST(HeadOutput, TurnsToALandmarkWhosePoseIsAmbiguous) {
   LocaliserOptions cautious;
-  cautious.trust.max_ambiguity = 1e-4;
+  cautious.trust.max_ambiguity = 1e-6;
   Rig rig({}, 6, 3 * kDeg, cautious);
   int ambiguous = 0;
   for (int i = 0; i < 40; ++i) {
