@@ -148,7 +148,7 @@ Result<std::size_t> LandmarkSeeker::solve(const Frame& frame, const LandmarkObse
   // The closed form looks at centres alone: whether there are outlines of a landmark is asked of the picture apart.
   const Result<PoseCandidate> examined =
       full ? best : full_.examine(outline_luma_, best.pose.T_landmark_camera.inverse(), budget_.pixels, motion.sheet);
-  const bool is_guess = !options_.has_map && !is_foretold && prior == nullptr;
+  const bool is_guess = !options_.has_map && !is_foretold;
   // Wallpaper, perforated sheet: what is too small to be told from a landmark is more of what was near enough.
   const bool is_one_of_many = is_guess && examined && examined->dot_radius_px < kAsLarge * look_alike_px_;
   if (!examined || is_one_of_many || !fits_picture(*examined, noise_, allowance(is_foretold))) {

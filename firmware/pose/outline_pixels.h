@@ -36,8 +36,8 @@ struct OutlinePixels {
   std::vector<float> x_px, y_px, ray_x, ray_y, luma;  ///< position, normalised ray (distortion removed), grey level
   std::size_t count = 0;
   InlineVector<OutlineGroup, kMaxGroups> groups;
-  /// By how much ink's grey level changes where the light does, when paper's changes by 1: kUsualInkShare until told.
-  float ink_share = kUsualInkShare;
+  /// By how much ink's grey level changes where the light does, when paper's changes by 1.
+  float ink_share = 0;
   /// d(ray)/d(pixel) at each dot's centre.
   std::array<Eigen::Matrix2d, kDotCount> normalised_per_px;
   /// A dot's pixels before they are sorted into its groups.

@@ -60,8 +60,6 @@ constexpr double kHeldSigma = 1e-3, kFreeSigma = 1e3;  // of offset [px] and blu
 constexpr double kOffsetSigma_px = 0.35;               // prior: an sRGB curve moves edges by 0.3 px (METHOD, section 3)
 constexpr double kHarmonicSigma_px2 = 0.6;             // prior of the blur's direction: of the mean blur's size
 constexpr double kMeanBlur_px2 = 0.7, kMeanBlurSigma_px2 = 3;  // prior: 0.84 px, small sensors; up to 2.5 px at 2 sigma
-// With fewer dots in sight a wrong pose has few outlines to follow, and slopes of their light help it.
-constexpr int kLeastForInk = 7;
 
 double band_of(const OutlineState& state) noexcept {
   const double sigma_px = std::sqrt(state.blur_px2 + std::hypot(state.blur_cos_px2, state.blur_sin_px2));
@@ -84,6 +82,7 @@ const OptimiserStatistics& OutlineRefiner::refine(const ImageView& luma, const O
   warp_px_ = warp_px;
   split_.fill(false);
   look_ = {};
+  // What is about where it was foretold is seen as it was; of a guess that is not, slopes of the ink are misfit.
   pixels_.ink_share = quality == Start::kExpected ? kUsualInkShare : 0;
   last_step_px_ = 0;
   const int first = quality == Start::kRough ? kRoughStage : kCloseStage;
@@ -169,9 +168,7 @@ StepVerdict OutlineRefiner::take(int stage, const Step& step) noexcept {
       step_chi2(step) < kLastStep_chi2 || by_px * by_px < kLeftSigmas * sigma_px * std::sqrt(before.blur_px2);
   const bool settled = is_fine && is_calm && !look_.split_since && leaves_little && by_px < kLastStep_px;
   if (settled) return StepVerdict::kSettled;
-  const auto visible = visible_share();
-  const auto in_sight = std::ranges::count_if(visible, [](double share) { return share >= kMinVisible; });
-  pixels_.ink_share = in_sight >= kLeastForInk ? ink_share_of(weights_.fit) : 0;
+  pixels_.ink_share = ink_share_of(weights_.fit);
   return StepVerdict::kGoOn;
 }
 
@@ -288,10 +285,8 @@ double OutlineRefiner::dot_radius_px() const noexcept {
 
 OutlineShape OutlineRefiner::shape() const noexcept {
   const auto visible = visible_share();
-  const CameraFromLandmark& T = state_.T_camera_landmark;
-  const double cosine = std::abs(T.rotation.col(1).dot(T.translation_m.normalized()));  // of the tilt
-  OutlineShape shape = shape_of_outlines(pixels_, landmark_, state_, visible, weights_.noise_variance_lsb2,
-                                         {dot_radius_px(), cosine * dot_radius_px()});
+  const DotAxes dot{dot_radius_px(), foreshortening(state_.T_camera_landmark) * dot_radius_px()};
+  OutlineShape shape = shape_of_outlines(pixels_, landmark_, state_, visible, weights_.noise_variance_lsb2, dot);
   const CameraFromLandmark seen = as_exposed(state_.T_camera_landmark, state_.motion, camera_);
   shape.absent = count_absent(luma_, camera_, landmark_, seen, visible, weights_.fit);
   const double blur_px = std::sqrt(std::max(state_.blur_px2, 0.0));

@@ -28,9 +28,9 @@ constexpr int kEnoughPixels = 60, kMostThinned = 4;
 // of a ring's dot from where it belongs; what hides a dot has the grey of paper in some of them by chance.
 constexpr int kDirections = 16, kLeastBare = 4, kLeastInked = 2;
 constexpr double kInside = 0.7;
+constexpr std::array<double, 6> kBeside{1.3, 1.6, 2.0, 2.4, 2.8, 3.2};  // the next dot begins at 3.8
 // A dot may be hidden by something that is as white as paper; so many, each of them white all over, are not there.
 constexpr int kLeastBlank = 3;
-constexpr std::array<double, 6> kBeside{1.3, 1.6, 2.0, 2.4, 2.8, 3.2};  // the next dot begins at 3.8
 constexpr double kThere = 0.75;              // of its outline: a dot that is where it belongs
 constexpr double kPaper = 0.15, kInk = 0.5;  // how much darker than paper, of the contrast
 
@@ -151,8 +151,8 @@ int count_hollow(const ImageView& luma, const CameraModel& camera, const Landmar
   int hollow = 0;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     // The short way across an inclined dot.
-    const double cosine = std::abs(T_camera_landmark.rotation.col(1).dot(T_camera_landmark.translation_m.normalized()));
-    const double half_px = cosine * camera.fx_px * landmark.radius_m(dot) / T_camera_landmark.translation_m.norm();
+    const double half_px = foreshortening(T_camera_landmark) * camera.fx_px * landmark.radius_m(dot) /
+                           T_camera_landmark.translation_m.norm();
     if (visible_share[dot] < kMostly || half_px < kNoEdge * blur_px) continue;
     const auto middle = light.darkness_at(landmark.centre_m(dot));
     hollow += middle && *middle < kInk;

@@ -8,6 +8,12 @@
 
 namespace ninedot {
 
+/// Of a disc on the sheet as the camera sees it, short semi-axis over long one, 0..1: the cosine of the angle between
+/// the sheet's normal and the ray to its middle. Memory: none. Threads: pure.
+inline double foreshortening(const CameraFromLandmark& T_camera_landmark) noexcept {
+  return std::abs(T_camera_landmark.rotation.col(1).dot(T_camera_landmark.translation_m.normalized()));
+}
+
 /// Semi-axes of an ellipse [px], both above 0. Of a dot seen from aside most of the outline runs along the long one:
 /// another shape moves it by a share of the short one.
 struct DotAxes {
@@ -26,7 +32,8 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
                                const DotAxes& dot) noexcept;
 
 /// Dots of the ring that nothing hides: printed elsewhere, one or two in a row, each with paper in a part of its place
-/// and ink beside it; or three and more with nothing but paper in their places. \param visible_share  of each dot's outline, 0..1 \param fit  of the outlines that are there
+/// and ink beside it; or three and more with nothing but paper in their places.
+/// \param visible_share  of each dot's outline, 0..1 \param fit  of the outlines that are there
 /// Memory: none. Threads: pure.
 int count_absent(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
                  const CameraFromLandmark& T_camera_landmark, const std::array<double, kDotCount>& visible_share,

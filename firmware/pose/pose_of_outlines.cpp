@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pose/ellipse_parameters.h"
+#include "pose/outline_shape.h"
 #include "pose/tilt_spread.h"
 
 namespace ninedot {
@@ -53,9 +54,9 @@ constexpr double kMostSize = 0.05, kMostSecond = 0.12, kMostFourth = 0.04, kMost
 constexpr double kMostCentreSize = 0.1;
 constexpr double kColouredSize = 0.04;  // beside kMostSize
 // Motion by 2 to 10 px leaves up to 0.29 (second) and 0.31 (P9's size) of dots of 3 to 4 px (120 rendered pictures):
-// less than so much beside the limits above, in shares of the blur's second harmonic. Lenses out of focus leave P9 as
-// it is, to 0.03.
-constexpr double kPerAlong = 3, kCentrePerAlong = 2;
+// less than so much beside the limits above, in shares of the blur's second harmonic; of P9's size only as far as the
+// blur is wider than a sharp one as well. Lenses out of focus leave P9 as it is, to 0.03.
+constexpr double kPerAlong = 3, kSharp_px2 = 0.9, kCentrePerBlur = 2;
 // Four corners are blurred away first: of dots of two sigmas what a profile that is no Gaussian leaves of the contrast
 // (1 % of it, drawn dots of 4.6 px) looks like 0.1 of them, which is what a square of that size has. From three on they
 // can be told.
@@ -98,13 +99,15 @@ bool are_discs(const PoseCandidate& candidate, bool is_coloured) noexcept {
   const OutlineShape& shape = candidate.shape;
   // Motion makes all dots longer in one direction; ellipses that lie in several look blurred alike.
   const double along = along_of(candidate);
-  const Eigen::Vector3d& from_m = candidate.pose.T_landmark_camera.translation_m;
-  const double semi_axes_px2 = square(candidate.dot_radius_px) * std::abs(from_m.y()) / from_m.norm();
+  const double semi_axes_px2 = square(candidate.dot_radius_px) * foreshortening(candidate.outlines.T_camera_landmark);
   const double most_fourth = kMostFourth + kFourthPerBlur * wide_of(candidate, semi_axes_px2);
   const double most_size = kMostSize + (is_coloured ? kColouredSize : 0);
-  const bool centre_is_other = !is_coloured && shape.centre_size > kMostCentreSize + kCentrePerAlong * along;
+  const double wider = std::max(candidate.outlines.blur_px2 - kSharp_px2, 0.0) / square(candidate.dot_radius_px);
+  const bool centre_is_other =
+      !is_coloured && shape.centre_size > kMostCentreSize + kCentrePerBlur * std::min(along, wider);
   return shape.size <= most_size && shape.second <= kMostSecond + kPerAlong * along && shape.fourth <= most_fourth &&
-         shape.absent == 0 && shape.hollow == 0 && !(has_whole_ring(candidate) && (shape.centre > kMostAside || centre_is_other));
+         shape.absent == 0 && shape.hollow == 0 &&
+         !(has_whole_ring(candidate) && (shape.centre > kMostAside || centre_is_other));
 }
 
 /// What hides a landmark comes from outside: it hides P9 after dots of the ring, and neighbours together.

@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <vector>
 
 #include "tests/support/renderer.h"
@@ -19,10 +17,10 @@ using namespace std::chrono_literals;
 
 constexpr double kDistance_m = 1.5;
 
-test::Picture landmark_picture() {
+test::Picture picture_of(const test::Sheet& sheet, double distance_m) {
   test::Scene scene;
-  scene.camera = test::look_at_landmark({.distance_m = kDistance_m, .tilt_rad = 0.4, .azimuth_rad = 0.7});
-  scene.sheets = {test::nine_dot_sheet()};
+  scene.camera = test::look_at_landmark({.distance_m = distance_m, .tilt_rad = 0.4, .azimuth_rad = 0.7});
+  scene.sheets = {sheet};
   set_noise(scene.sensor, 1.5);
   return test::render(scene, 1);
 }
@@ -57,7 +55,7 @@ class Passing {
 
  private:
   int step_px_;
-  test::Picture picture_ = landmark_picture();
+  test::Picture picture_ = picture_of(test::nine_dot_sheet(), kDistance_m);
   std::vector<std::uint8_t> pixels_;
   Track track_{TrackOptions{}};
 };
@@ -92,29 +90,11 @@ TEST(LandmarkSeeker, KnowsOfALandmarkThatIsFoundWhereItWasThatItHardlyMoved) {
   EXPECT_GT(unit.rate_sigma_rad_s(), 0.01) << "of two frames, not of a track";
 }
 
-/// Squares of the dots' area.
-test::Sheet squares() {
-  test::Sheet sheet = test::nine_dot_sheet();
-  for (const test::Disc& disc : sheet.discs) {
-    const double half_m = 0.5 * std::sqrt(std::numbers::pi) * disc.radius_m;
-    sheet.bars.push_back({disc.x_m - half_m, disc.z_m, disc.x_m + half_m, disc.z_m, 2 * half_m});
-  }
-  sheet.discs.clear();
-  return sheet;
-}
-
-test::Picture picture_of(const test::Sheet& sheet, double distance_m) {
-  test::Scene scene;
-  scene.camera = test::look_at_landmark({.distance_m = distance_m, .tilt_rad = 0.4, .azimuth_rad = 0.7});
-  scene.sheets = {sheet};
-  set_noise(scene.sensor, 1.5);
-  return test::render(scene, 1);
-}
-
 /// What is too small to be told from a landmark may be more of what was near enough, and frames end before all is
 /// looked at: a wall of such things is none of its far ones either.
 TEST(LandmarkSeeker, TakesNothingSmallerThanWhatWasNoLandmarkASecondAgo) {
-  const test::Picture alike = picture_of(squares(), 1.5), further = picture_of(test::nine_dot_sheet(), 2.5),
+  const test::Picture alike = picture_of(test::square_dot_sheet(), 1.5),
+                      further = picture_of(test::nine_dot_sheet(), 2.5),
                       nearer = picture_of(test::nine_dot_sheet(), 1.2);
   LandmarkSeeker unit{CameraModel{}, {}};
   const auto is_found = [&](const test::Picture& picture, MonoTime at) {

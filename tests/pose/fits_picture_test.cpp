@@ -10,7 +10,7 @@ namespace {
 PoseCandidate candidate_with(int dots, double residual_lsb) {
   PoseCandidate candidate;
   candidate.pose.dots_used = dots;
-  candidate.pose.T_landmark_camera.translation_m = {0, -1, 0};
+  candidate.outlines.T_camera_landmark.translation_m = {0, 1, 0};  // seen from in front
   candidate.dot_radius_px = 6;
   candidate.outlines.blur_px2 = 0.5;
   candidate.visible_share[kCentreDot] = 1;

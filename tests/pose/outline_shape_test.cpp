@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "pose/pose_of_outlines.h"
 #include "tests/pose/first_fit.h"
@@ -62,19 +63,12 @@ TEST(OutlineShape, OfTheLandmarkItselfIsThatOfDiscsFromEverySide) {
 }
 
 TEST(OutlineShape, TellsSquaresOfTheSameArea) {
-  struct {
-    double distance_m, tilt_rad, fourth;
-  } const views[]{{0.6, 0.4, 0.12}, {1.2, 0.4, 0.12}, {2.0, 0.4, 0.12}, {2.0, 1.1, 0.1}};
-  for (const auto& [distance_m, tilt_rad, fourth] : views) {
-    test::Sheet sheet = test::nine_dot_sheet();
-    for (const test::Disc& disc : sheet.discs) {
-      const double half_m = 0.5 * std::sqrt(std::numbers::pi) * disc.radius_m;
-      sheet.bars.push_back({disc.x_m - half_m, disc.z_m, disc.x_m + half_m, disc.z_m, 2 * half_m});
-    }
-    sheet.discs.clear();
-    const auto looked = look_at(sheet, {.distance_m = distance_m, .tilt_rad = tilt_rad, .azimuth_rad = 0.7});
+  for (const auto& [distance_m, tilt_rad] :
+       {std::pair(0.6, 0.4), std::pair(1.2, 0.4), std::pair(2.0, 0.4), std::pair(2.0, 1.1)}) {
+    const auto looked =
+        look_at(test::square_dot_sheet(), {.distance_m = distance_m, .tilt_rad = tilt_rad, .azimuth_rad = 0.7});
     ASSERT_TRUE(looked) << "or this picture tests nothing: " << distance_m << " m";
-    EXPECT_NEAR(looked->candidate.shape.fourth, fourth, 0.04) << distance_m << " m";
+    EXPECT_NEAR(looked->candidate.shape.fourth, 0.12, 0.03) << distance_m << " m";
     EXPECT_FALSE(looked->fits) << distance_m << " m";
   }
 }
@@ -137,7 +131,9 @@ TEST(OutlineShape, IsAllowedToBeWhatMotionInOneDirectionMakesOfIt) {
   EXPECT_TRUE(fits_picture(candidate, PictureNoise(picture.view())));
   candidate.shape.centre_size = 0.2;
   EXPECT_TRUE(fits_picture(candidate, PictureNoise(picture.view()))) << "smeared";
-  candidate.outlines.blur_cos_px2 = 0, candidate.shape.second = 0;
+  candidate.outlines.blur_px2 = 1;
+  EXPECT_FALSE(fits_picture(candidate, PictureNoise(picture.view()))) << "sharp";
+  candidate.outlines.blur_px2 = 2.5, candidate.outlines.blur_cos_px2 = 0, candidate.shape.second = 0;
   EXPECT_FALSE(fits_picture(candidate, PictureNoise(picture.view()))) << "out of focus alone";
   candidate.shape = {};
   EXPECT_TRUE(fits_picture(candidate, PictureNoise(picture.view())));

@@ -76,6 +76,8 @@ Sheet nine_dot_sheet(double ring_radius_m = 0.080, double dot_radius_m = 0.0127,
 Sheet dot_ring_sheet(int dots, bool with_centre, double centre_radius_m = 0.0254);
 Sheet dot_grid_sheet(int columns, int rows, double pitch_m, double dot_radius_m);
 Sheet clock_sheet(double radius_m);
+/// The landmark with squares of the dots' area for dots.
+Sheet square_dot_sheet();
 /// Spots of random place, size and darkness on the bare wall.
 Sheet polka_dots(int count, double extent_m, double min_radius_m, double max_radius_m, std::uint64_t seed);
 

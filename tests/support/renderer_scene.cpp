@@ -36,6 +36,16 @@ Sheet nine_dot_sheet(double ring_radius_m, double dot_radius_m, double centre_ra
   return sheet;
 }
 
+Sheet square_dot_sheet() {
+  Sheet sheet = nine_dot_sheet();
+  for (const Disc& disc : sheet.discs) {
+    const double half_m = 0.5 * std::sqrt(std::numbers::pi) * disc.radius_m;
+    sheet.bars.push_back({disc.x_m - half_m, disc.z_m, disc.x_m + half_m, disc.z_m, 2 * half_m});
+  }
+  sheet.discs.clear();
+  return sheet;
+}
+
 Sheet dot_ring_sheet(int dots, bool with_centre, double centre_radius_m) {
   Sheet sheet;
   for (int dot = 0; dot < dots; ++dot) {
