@@ -20,8 +20,6 @@ constexpr double kUnknownRate_rad_s = 0.7;
 constexpr FullSolverOptions kInRooms{.most_sigma = 1, .pattern_px = 0.1};
 // Of two things that were made alike: their sizes in the picture, as far as the two poses know them.
 constexpr double kAsLarge = 0.9;
-// So long such things are remembered: not every frame has the time to look at all of them.
-constexpr auto kRemembered = std::chrono::seconds{1};
 
 }  // namespace
 
@@ -43,7 +41,7 @@ void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget,
   outline_luma_ = options_.has_map ? bayer_luma_.of(frame.luma, frame.chroma) : frame.luma;
   budget_ = budget;
   misfit_.reset();
-  if (frame_at_ - look_alike_at_ > kRemembered) look_alike_px_ = 0;
+  look_alike_px_ = 0;
 }
 
 FailedSearch LandmarkSeeker::failed_search() const noexcept {
@@ -153,7 +151,7 @@ Result<std::size_t> LandmarkSeeker::solve(const Frame& frame, const LandmarkObse
   const bool is_one_of_many = is_guess && examined && examined->dot_radius_px < kAsLarge * look_alike_px_;
   if (!examined || is_one_of_many || !fits_picture(*examined, noise_, allowance(is_foretold))) {
     if (is_guess && examined && has_whole_ring(*examined) && examined->dot_radius_px >= look_alike_px_)
-      look_alike_px_ = examined->dot_radius_px, look_alike_at_ = frame_at_;
+      look_alike_px_ = examined->dot_radius_px;
     if (!misfit_ && is_publishable(best.pose)) misfit_ = candidates_;
     return fail(Errc::kNoLandmark, "the picture does not fit a landmark");
   }

@@ -67,8 +67,8 @@ class LandmarkSeeker {
   Result<std::size_t> solve(const Frame& frame, const LandmarkObservation& seen, const PosePrior* prior, Track& track,
                             bool is_foretold = false) noexcept;
   /// What looks like a landmark, though nothing has told yet where it is. What was tracked a moment ago keeps its
-  /// numbers. Without a map nothing is one whose dots are smaller than those of what had a whole ring a second ago and
-  /// was none: what is too small to be told from a landmark may be more of that. \return  index [1]
+  /// numbers. Without a map nothing is one whose dots are smaller than those of what has a whole ring in the same frame
+  /// and is none: what is too small to be told from a landmark may be more of that. \return  index [1]
   Result<std::size_t> solve_guess(const Frame& frame, LandmarkObservation seen, Track& track) noexcept;
 
   /// By its outlines alone, from where something else foretells it to two pixels: what is too small, too faint or too
@@ -110,9 +110,7 @@ class LandmarkSeeker {
   PoseCandidates candidates_;
   RowMotion row_motion_;
   std::optional<PoseCandidates> misfit_;
-  // Of the largest thing that has a whole ring and is no landmark: radius of a dot [px], and when it was seen.
-  double look_alike_px_ = 0;
-  MonoTime look_alike_at_{};
+  double look_alike_px_ = 0;  ///< radius of a dot of the largest thing that has a whole ring and is no landmark
 };
 
 }  // namespace ninedot

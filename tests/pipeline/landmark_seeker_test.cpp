@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "tests/support/renderer.h"
@@ -17,10 +18,10 @@ using namespace std::chrono_literals;
 
 constexpr double kDistance_m = 1.5;
 
-test::Picture picture_of(const test::Sheet& sheet, double distance_m) {
+test::Picture picture_of(const std::vector<test::Sheet>& sheets, double distance_m) {
   test::Scene scene;
   scene.camera = test::look_at_landmark({.distance_m = distance_m, .tilt_rad = 0.4, .azimuth_rad = 0.7});
-  scene.sheets = {sheet};
+  scene.sheets = sheets;
   set_noise(scene.sensor, 1.5);
   return test::render(scene, 1);
 }
@@ -55,7 +56,7 @@ class Passing {
 
  private:
   int step_px_;
-  test::Picture picture_ = picture_of(test::nine_dot_sheet(), kDistance_m);
+  test::Picture picture_ = picture_of({test::nine_dot_sheet()}, kDistance_m);
   std::vector<std::uint8_t> pixels_;
   Track track_{TrackOptions{}};
 };
@@ -90,27 +91,43 @@ TEST(LandmarkSeeker, KnowsOfALandmarkThatIsFoundWhereItWasThatItHardlyMoved) {
   EXPECT_GT(unit.rate_sigma_rad_s(), 0.01) << "of two frames, not of a track";
 }
 
-/// What is too small to be told from a landmark may be more of what was near enough, and frames end before all is
-/// looked at: a wall of such things is none of its far ones either.
-TEST(LandmarkSeeker, TakesNothingSmallerThanWhatWasNoLandmarkASecondAgo) {
-  const test::Picture alike = picture_of(test::square_dot_sheet(), 1.5),
-                      further = picture_of(test::nine_dot_sheet(), 2.5),
-                      nearer = picture_of(test::nine_dot_sheet(), 1.2);
+/// A sheet in a share of its size, its middle moved along the wall.
+test::Sheet hung(test::Sheet sheet, double size, double x_m) {
+  sheet.x_m = x_m;
+  sheet.width_m *= size, sheet.height_m *= size;
+  for (test::Disc& disc : sheet.discs) disc.x_m = x_m + size * disc.x_m, disc.z_m *= size, disc.radius_m *= size;
+  for (test::Bar& bar : sheet.bars) {
+    bar.x0_m = x_m + size * bar.x0_m, bar.x1_m = x_m + size * bar.x1_m;
+    bar.z0_m *= size, bar.z1_m *= size, bar.width_m *= size;
+  }
+  return sheet;
+}
+
+/// What is too small to be told from a landmark may be more of what was near enough: a wall of such things is none of
+/// its far ones either. Of the next frame that says nothing.
+TEST(LandmarkSeeker, TakesNothingSmallerThanALookAlikeInTheSameFrame) {
   LandmarkSeeker unit{CameraModel{}, {}};
-  const auto is_found = [&](const test::Picture& picture, MonoTime at) {
+  const auto taken = [&](const std::vector<test::Sheet>& sheets) {
+    const test::Picture picture = picture_of(sheets, kDistance_m);
     Frame frame;
     frame.luma = picture.view();
-    frame.set_exposure(at, 4ms);
     unit.begin(frame, WorkBudget{});
-    Track track{TrackOptions{}};
-    const auto seen = unit.detector().find_landmarks(frame.luma);
-    return seen && unit.solve_guess(frame, seen->front(), track);
+    const auto all = unit.detector().find_all_landmarks(frame.luma, unit.budget());
+    if (!all) return -1;
+    std::vector<LandmarkObservation> seen(all->begin(), all->end());
+    std::ranges::sort(seen, std::greater{}, [](const auto& one) { return one.H_ray_plane.col(0).norm(); });
+    EXPECT_EQ(seen.size(), sheets.size());
+    return static_cast<int>(std::ranges::count_if(seen, [&](const auto& one) {
+      Track track{TrackOptions{}};
+      return unit.solve_guess(frame, one, track).has_value();
+    }));
   };
-  EXPECT_TRUE(is_found(further, MonoTime(1s)));
-  EXPECT_FALSE(is_found(alike, MonoTime(2s)));
-  EXPECT_FALSE(is_found(further, MonoTime(2500ms)));
-  EXPECT_TRUE(is_found(nearer, MonoTime(2600ms)));
-  EXPECT_TRUE(is_found(further, MonoTime(3100ms)));
+  const auto landmark = [](double size) { return hung(test::nine_dot_sheet(), size, 0.13); };
+  const auto squares = [](double size) { return hung(test::square_dot_sheet(), size, -0.13); };
+  EXPECT_EQ(taken({squares(1)}), 0);
+  EXPECT_EQ(taken({squares(1), landmark(0.7)}), 0);
+  EXPECT_EQ(taken({landmark(0.7)}), 1) << "in the next frame";
+  EXPECT_EQ(taken({squares(0.7), landmark(1)}), 1);
 }
 
 }  // namespace
