@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "geometry/planar_pose.h"
@@ -23,6 +24,9 @@ constexpr std::size_t kLeastCentroids = 5;
 // Difference of chi^2 above which the other solution is not even refined: a refinement gains less than that over a
 // glance with the best one's pixels (7.7 sigma; the model's own faults included).
 constexpr double kDecisive_chi2 = 60;
+// Of so few dots in sight it is refined in any case: a wrong pose of theirs has weights that suit it, and by these the
+// right one is excluded by 80 to 3600.
+constexpr int kFewDots = 6;
 // The same where a track has told the two apart: odds of 1 to 10000, while they are further apart than a track's noise.
 constexpr double kSettled_chi2 = 18.4, kApart_rad = 0.17;
 // Residual of centroids that a track may start from at once: its outlines then lie within the half pixel of
@@ -172,14 +176,19 @@ double FullSolver::Workspace::believable(double chi2_above, const OutlineState& 
 std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView& luma, bool side_is_settled,
                                                                  double warp_px, int& pixels) noexcept {
   OutlineState mirrored = first.state();
-  mirrored.T_camera_landmark = mirror_image(first.state().T_camera_landmark, landmark);
+  const std::array<double, kDotCount> visible = first.visible_share();
+  mirrored.T_camera_landmark = mirror_image(first.state().T_camera_landmark, landmark, visible);
   const double apart_rad = angle_between_rad(mirrored.T_camera_landmark, first.state().T_camera_landmark);
   if (apart_rad < kSamePose_rad) return std::nullopt;
   PoseCandidate mirror;
   mirror.pose.T_landmark_camera = mirrored.T_camera_landmark.inverse();
   mirror.outlines = mirrored;
   mirror.chi2_above = believable(first.chi2_above(mirrored), mirrored);
-  mirror.refined = !(mirror.chi2_above > (side_is_settled && apart_rad > kApart_rad ? kSettled_chi2 : kDecisive_chi2));
+  const auto in_sight = std::ranges::count_if(visible, [](double share) { return share >= kMinVisible; });
+  const double decisive_chi2 = side_is_settled && apart_rad > kApart_rad ? kSettled_chi2
+                               : in_sight <= kFewDots                    ? std::numeric_limits<double>::infinity()
+                                                                         : kDecisive_chi2;
+  mirror.refined = !(mirror.chi2_above > decisive_chi2);
   if (!mirror.refined) return mirror;
   if (!second.refine(luma, mirrored, OutlineRefiner::Start::kClose, warp_px, pixels).has_converged()) {
     mirror.refined = false;

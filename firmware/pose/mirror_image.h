@@ -1,16 +1,23 @@
 #pragma once
 /// The other pose from which a flat landmark looks almost alike.
+#include <array>
+
 #include "geometry/dot_sighting.h"
 #include "geometry/landmark.h"
 #include "geometry/transform.h"
 
 namespace ninedot {
 
+inline constexpr std::array<double, kDotCount> kAllInSight{1, 1, 1, 1, 1, 1, 1, 1, 1};
+
 /// The pose from which the dots' centres look most like those of `T`, on the other side of the line of sight: the other
 /// solution of Collins & Bartoli, IJCV 2014, for the centres as `T` shows them. Where perspective leaves these a single
 /// solution, the reflection: noise in a picture can have made a second one all the same, and `T` of it.
-/// Memory: none. Threads: pure.
-CameraFromLandmark mirror_image(const CameraFromLandmark& T_camera_landmark, const LandmarkGeometry& landmark) noexcept;
+/// \param visible_share  of each dot's outline, 0..1: the poses are to look alike where dots are in sight
+/// (kMinVisible), unless fewer than five are; what is hidden may move as it likes. Of half a landmark that is another
+/// pose than of all. Memory: none. Threads: pure.
+CameraFromLandmark mirror_image(const CameraFromLandmark& T_camera_landmark, const LandmarkGeometry& landmark,
+                                const std::array<double, kDotCount>& visible_share = kAllInSight) noexcept;
 
 /// The most that one picture can say for one of two poses against the other by where it shows their dots. Two readings
 /// whose dots lie d apart differ by a chi^2 of D^2 = sum of d^T C^-1 d, give or take 2 D (a likelihood ratio of two

@@ -11,6 +11,9 @@ namespace {
 // hides a dot is dark or bright on both sides. Half of what ink keeps behind a veil of haze that halves the contrast.
 constexpr double kLeastContrastShare = 0.3;
 constexpr double kLeastContrast_lsb = 4;  // two grey levels of noise, twice: below, an edge's place is noise
+// The contrast of outlines is this quantile of the pixels' in groups of any contrast: what hides half of a landmark has
+// some of its own, and is cut into more groups than dots in sight are.
+constexpr double kContrastQuantile = 0.65;
 // Light from one group to another that is taken for light and not for another surface.
 constexpr double kDarkestLight = 0.25, kBrightestLight = 1.5;
 // The noise is this quantile of the groups' variances. Not the median: half of the groups may be spoiled by shadows.
@@ -42,24 +45,46 @@ double quantile(std::span<double> values, double share) noexcept {
 
 double variance_of(const GroupFit& fit) noexcept { return fit.squared_residuals / fit.degrees_of_freedom; }
 
-/// What the groups have in common.
+/// Of a group.
+struct Counted {
+  double value;
+  int pixels;
+};
+
+/// What the groups that show outlines have in common.
 struct Typical {
   double contrast_lsb, paper_lsb, noise_variance_lsb2;
 };
 
+/// The value that `share` of the pixels lie below; reorders them.
+double quantile_of_pixels(std::span<Counted> values, double share) noexcept {
+  if (values.empty()) return 0;
+  std::ranges::sort(values, {}, &Counted::value);
+  double left = 0;
+  for (const Counted& one : values) left += share * one.pixels;
+  for (const Counted& one : values)
+    if ((left -= one.pixels) < 0) return one.value;
+  return values.back().value;
+}
+
 Typical typical_of(std::span<const OutlineGroup> groups, const GroupFits& fits) noexcept {
-  std::array<double, kMaxGroups> contrasts, papers, variances;
+  std::array<Counted, kMaxGroups> values;
+  std::array<double, kMaxGroups> variances;
   std::size_t count = 0;
+  for (std::size_t i = 0; i < groups.size(); ++i)
+    if (fits[i].usable && fits[i].contrast_lsb >= kLeastContrast_lsb)
+      values[count++] = {fits[i].contrast_lsb, groups[i].count};
+  Typical typical{quantile_of_pixels(std::span(values).first(count), kContrastQuantile), 0, 0};
+  count = 0;
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    const GroupFit& fit = fits[i];
-    if (!fit.usable || fit.contrast_lsb < kLeastContrast_lsb) continue;
-    contrasts[count] = fit.contrast_lsb;
-    papers[count] = fit.paper_lsb;
-    variances[count] = variance_of(fit);
-    ++count;
+    if (!fits[i].usable || fits[i].contrast_lsb < kLeastContrastShare * typical.contrast_lsb) continue;
+    values[count] = {fits[i].paper_lsb, groups[i].count};
+    variances[count++] = variance_of(fits[i]);
   }
-  return {quantile(std::span(contrasts).first(count), 0.5), quantile(std::span(papers).first(count), 0.5),
-          std::max(quantile(std::span(variances).first(count), kNoiseQuantile), kRoundingVariance_lsb2)};
+  typical.paper_lsb = quantile_of_pixels(std::span(values).first(count), kContrastQuantile);
+  typical.noise_variance_lsb2 =
+      std::max(quantile(std::span(variances).first(count), kNoiseQuantile), kRoundingVariance_lsb2);
+  return typical;
 }
 
 /// What the groups' places about the model's say of the model's own faults.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 
 #include "base/units.h"
@@ -38,6 +39,35 @@ TEST(MirrorImage, HasItsNormalOnTheOtherSideOfTheLineOfSightAtEveryTilt) {
             << distance_m << " m, " << tilt_deg << " degrees";
         EXPECT_LT(angle_between_rad(T, mirror), 2.2 * tilt_deg * kRadPerDeg);
       }
+}
+
+/// Root mean square distance [px] of the dots in sight between two poses, at a focal length of 720 px.
+double apart_px(const CameraFromLandmark& a, const CameraFromLandmark& b,
+                const std::array<double, kDotCount>& visible) {
+  double sum = 0, count = 0;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    const Eigen::Vector2d C = LandmarkGeometry{}.centre_m(dot);
+    const Eigen::Vector3d p(C.x(), 0, C.y());
+    sum += visible[dot] * ((a * p).hnormalized() - (b * p).hnormalized()).squaredNorm();
+    count += visible[dot];
+  }
+  return 720 * std::sqrt(sum / count);
+}
+
+TEST(MirrorImage, OfHalfALandmarkLooksLikeItsHalf) {
+  const std::array<double, kDotCount> half{1, 1, 1, 1, 0, 0, 0, 0, 1};
+  for (const double azimuth_rad : {0.3, 1.7, 4.0}) {
+    const CameraFromLandmark T = seen_from(2, 0.5, azimuth_rad);
+    const CameraFromLandmark of_half = mirror_image(T, LandmarkGeometry{}, half);
+    EXPECT_GT(angle_between_rad(T, of_half), 0.2) << azimuth_rad;
+    EXPECT_LT(apart_px(T, of_half, half), 0.8 * apart_px(T, mirror_image(T, LandmarkGeometry{}), half)) << azimuth_rad;
+  }
+}
+
+TEST(MirrorImage, OfFourDotsIsThatOfAll) {
+  const CameraFromLandmark T = seen_from(2, 0.5, 0.3);
+  const CameraFromLandmark of_four = mirror_image(T, LandmarkGeometry{}, {1, 1, 1, 1, 0, 0, 0, 0, 0});
+  EXPECT_EQ(angle_between_rad(of_four, mirror_image(T, LandmarkGeometry{})), 0);
 }
 
 /// Between a pose that is tilted by 0.3 rad and its mirror image, each dot known to a twentieth of a pixel.

@@ -48,10 +48,15 @@ TEST_P(RightViews, AreValidAndRight) {
 
 INSTANTIATE_TEST_SUITE_P(
     Trust, RightViews,
-    testing::Values(View{"WhereTheFirstOfSeveralStartsIsWrong", "50 % hidden", {12, 29}},
-                    View{"WhereAWrongStartFitted", "40 % hidden", {14}},
-                    View{"WhereTheMirrorImageHasNoStartOfItsOwn", "nearly frontal, 3 to 4.5 m", {2, 39}},
-                    View{"OfASheetThatIsNotFlat", "smoothly warped sheet", {3}}),
+    testing::Values(
+        View{"WhereTheFirstOfSeveralStartsIsWrong", "50 % hidden", {12, 29}},
+        View{"WhereAWrongStartFitted", "40 % hidden", {14}},
+        View{"WhoseHalfHasAMirrorImageOfItsOwn",
+             "50 % hidden",
+             {5157512088794336945U, 2530752297606838987U, 10744612457124521661U, 620315812978149858U}},
+        View{"BehindWhatHasMoreOutlinesThanTheLandmark", "50 % hidden", {18062928103311801452U, 4438838570645933729U}},
+        View{"WhereTheMirrorImageHasNoStartOfItsOwn", "nearly frontal, 3 to 4.5 m", {2, 39}},
+        View{"OfASheetThatIsNotFlat", "smoothly warped sheet", {3}}),
     [](const auto& view) { return view.param.test; });
 
 class DoubtfulViews : public testing::TestWithParam<View> {};
