@@ -41,8 +41,8 @@ take() {
       if [[ $kind =~ ^\ +8\ +[02]$ ]]; then ln -sf "$file" "$folder/$name.png"; return; fi ;;
   esac
   [[ ! -s $folder/$name.pgm ]] || return 0
-  # On white: 255 - alpha (255 - grey).
-  ffmpeg -v error -nostdin -y -threads 1 -i "$file" -frames:v 1 \
+  # On white: 255 - alpha (255 - grey). One SVG keeps ffmpeg busy for ten minutes.
+  timeout 30 ffmpeg -v error -nostdin -y -threads 1 -i "$file" -frames:v 1 \
     -vf "scale='min(4096,iw)':-1:flags=area,format=gbrap,negate,premultiply=inplace=1,format=gbrp,negate,format=gray" \
     -f image2 -c:v pgm "$folder/$name.part" 2> /dev/null < /dev/null && mv "$folder/$name.part" "$folder/$name.pgm" ||
     { rm -f "$folder/$name.part"; echo "photographs: cannot read $file" >&2; }
