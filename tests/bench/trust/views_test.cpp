@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <string_view>
 #include <vector>
 
@@ -54,6 +56,9 @@ INSTANTIATE_TEST_SUITE_P(
         View{"WhoseHalfHasAMirrorImageOfItsOwn",
              "50 % hidden",
              {5157512088794336945U, 2530752297606838987U, 10744612457124521661U, 620315812978149858U}},
+        View{"OfWhichAWrongPoseExcludesTheRightOne",
+             "60 % hidden",
+             {17737693262209339593U, 10544269432182287487U, 9359183685056882247U}},
         View{"BehindWhatHasMoreOutlinesThanTheLandmark", "50 % hidden", {18062928103311801452U, 4438838570645933729U}},
         View{"WhereTheMirrorImageHasNoStartOfItsOwn", "nearly frontal, 3 to 4.5 m", {2, 39}},
         View{"OfASheetThatIsNotFlat", "smoothly warped sheet", {3}}),
@@ -75,6 +80,14 @@ INSTANTIATE_TEST_SUITE_P(Trust, DoubtfulViews,
                                          View{"BehindStripesOfShade", "striped shadow", {53}},
                                          View{"RolledNearlyToTheNextNumbering", "roll of 15 to 25 degrees", {2, 5}}),
                          [](const auto& view) { return view.param.test; });
+
+/// Its second frame was sure of the wrong crest as long as the mirror image was that of all nine dots.
+TEST(Trust, ATrackOfHalfALandmarkHasNoWrongPose) {
+  constexpr std::uint64_t kSeed = 14816461050332525318U;
+  const std::vector<Verdict> verdicts = judge({"", "", shoot(view_of("40 % hidden", kSeed), kTrackFrames, kSeed)});
+  EXPECT_TRUE(std::ranges::none_of(verdicts, &Verdict::wrong));
+  EXPECT_GE(std::ranges::count_if(verdicts, &Verdict::valid), 3);
+}
 
 struct Effected {
   const char* test;
