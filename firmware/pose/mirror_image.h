@@ -8,7 +8,7 @@
 
 namespace ninedot {
 
-/// Of a landmark that nothing hides.
+/// Visible shares of a landmark that nothing hides [1].
 inline constexpr std::array<double, kDotCount> kAllInSight{1, 1, 1, 1, 1, 1, 1, 1, 1};
 
 /// The pose from which the dots' centres look most like those of `T`, on the other side of the line of sight: the other
