@@ -24,9 +24,6 @@ constexpr std::size_t kLeastCentroids = 5;
 // Difference of chi^2 above which the other solution is not even refined: a refinement gains less than that over a
 // glance with the best one's pixels (7.7 sigma; the model's own faults included).
 constexpr double kDecisive_chi2 = 60;
-// Of so few dots in sight it is refined in any case: a wrong pose of theirs has weights that suit it, and by these the
-// right one is excluded by 80 to 3600.
-constexpr int kFewDots = 6;
 // The same where a track has told the two apart: odds of 1 to 10000, while they are further apart than a track's noise.
 constexpr double kSettled_chi2 = 18.4, kApart_rad = 0.17;
 // Residual of centroids that a track may start from at once: its outlines then lie within the half pixel of
@@ -184,9 +181,9 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
   mirror.pose.T_landmark_camera = mirrored.T_camera_landmark.inverse();
   mirror.outlines = mirrored;
   mirror.chi2_above = believable(first.chi2_above(mirrored), mirrored);
-  const auto in_sight = std::ranges::count_if(visible, [](double share) { return share >= kMinVisible; });
+  // A wrong pose of few dots has weights that suit it, and by these the right one is excluded by 80 to 3600.
   const double decisive_chi2 = side_is_settled && apart_rad > kApart_rad ? kSettled_chi2
-                               : in_sight <= kFewDots                    ? std::numeric_limits<double>::infinity()
+                               : dots_in_sight(visible) <= kFewDots      ? std::numeric_limits<double>::infinity()
                                                                          : kDecisive_chi2;
   mirror.refined = !(mirror.chi2_above > decisive_chi2);
   if (!mirror.refined) return mirror;

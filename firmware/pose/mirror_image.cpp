@@ -4,7 +4,7 @@
 
 #include "base/inline_vector.h"
 #include "geometry/planar_pose.h"
-#include "pose/estimate.h"
+#include "pose/pose_of_outlines.h"
 
 namespace ninedot {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 // Of the reflection's angle: what has come nearer has gone to the pose that it was to be the mirror image of.
 constexpr double kFellBack = 0.5;
 // Four places determine a plane's map exactly and may lie three on a line: as few have no second pose that is sure.
-constexpr std::ptrdiff_t kLeastPoints = 5;
+constexpr int kLeastPoints = 5;
 
 /// As much inclined to the other side of the line of sight: alike but for perspective.
 CameraFromLandmark reflected(const CameraFromLandmark& T) noexcept {
@@ -45,11 +45,10 @@ double angle_between_rad(const CameraFromLandmark& a, const CameraFromLandmark& 
 
 CameraFromLandmark mirror_image(const CameraFromLandmark& T, const LandmarkGeometry& landmark,
                                 const std::array<double, kDotCount>& visible_share) noexcept {
-  const auto is_visible = [](double share) { return share >= kMinVisible; };
-  const bool are_enough = std::ranges::count_if(visible_share, is_visible) >= kLeastPoints;
+  const bool are_enough = dots_in_sight(visible_share) >= kLeastPoints;
   InlineVector<PlanePoint, kDotCount> points;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
-    if (are_enough && !is_visible(visible_share[dot])) continue;
+    if (are_enough && visible_share[dot] < kMinVisible) continue;
     const Eigen::Vector2d C = landmark.centre_m(dot);
     (void)points.try_push_back({C, (T * Eigen::Vector3d(C.x(), 0, C.y())).hnormalized()});  // as many as dots
   }

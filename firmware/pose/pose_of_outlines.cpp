@@ -38,7 +38,6 @@ constexpr double kShapelessMisfit = 0.02;
 // Of more dots beside that, in shares of a blur that is wide (kBlurThatHides) or longer one way: no lens and no
 // motion blurs as a Gaussian does. Discs of confusion of 3 px leave 0.08 of a dot of 3 px, motion by 8 px 0.12.
 constexpr double kBlurMisfit = 0.2, kMotionMisfit = 0.15;
-constexpr std::size_t kFewDots = 6;
 constexpr double kFewDotsMisfit = 0.002;  // of a dot's radius, beside kPrintMisfit_px
 constexpr double kNoiseMisfit_px = 0.8;   // times residual over contrast: an outline's shift by noise
 // Common offset of all outlines, in sigmas of the blur: sRGB moves a blurred edge inwards by 0.46 of them, whatever the
@@ -82,7 +81,7 @@ double wide_of(const PoseCandidate& candidate, double radius2_px2) noexcept {
 }
 
 /// How far the outlines of a print may lie from where they should, root mean square [px].
-double most_misfit_px(const PoseCandidate& candidate, std::size_t dots, double noise_lsb) noexcept {
+double most_misfit_px(const PoseCandidate& candidate, int dots, double noise_lsb) noexcept {
   const double radius_px = candidate.dot_radius_px;
   const OutlineFit& fit = candidate.fit;
   if (dots <= kFewDots)
@@ -170,9 +169,13 @@ PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& cam
   pose.ellipse = ellipse_parameters(pose.T_landmark_camera, camera, landmark);
   pose.covariance = covariance_of(refiner, candidate.dots, camera, landmark);
   const auto& visible = candidate.visible_share;
-  pose.dots_used = static_cast<int>(std::ranges::count_if(visible, [](double share) { return share >= kMinVisible; }));
+  pose.dots_used = dots_in_sight(visible);
   pose.occlusion_level = occlusion_level(visible);
   return candidate;
+}
+
+int dots_in_sight(const std::array<double, kDotCount>& visible_share) noexcept {
+  return static_cast<int>(std::ranges::count_if(visible_share, [](double share) { return share >= kMinVisible; }));
 }
 
 bool has_whole_ring(const PoseCandidate& candidate) noexcept {
@@ -184,9 +187,10 @@ bool fits_picture(const PoseCandidate& candidate, const PictureNoise& noise, con
   const OutlineFit& fit = candidate.fit;
   const double of_paper = noise.at(fit.paper_lsb), of_ink = noise.at(fit.paper_lsb - fit.contrast_lsb);
   const double noise_lsb2 = 0.5 * (of_paper * of_paper + of_ink * of_ink) + kRounding_lsb2;
-  const auto dots = static_cast<std::size_t>(std::clamp<int>(candidate.pose.dots_used, 0, kDotCount));
+  const int dots = std::clamp<int>(candidate.pose.dots_used, 0, kDotCount);
   // Nine dots in their places are no chance; nine places of what nobody can tell the shape of may be.
-  const double light_lsb = kFitContrast[candidate.shape.is_unknown ? 0 : dots] * fit.contrast_lsb;
+  const auto told = static_cast<std::size_t>(candidate.shape.is_unknown ? 0 : dots);
+  const double light_lsb = kFitContrast[told] * fit.contrast_lsb;
   if (candidate.shape.is_unknown && dots <= kFewDots) return false;
   if (!(candidate.pose.rms_px <= most_misfit_px(candidate, dots, std::sqrt(noise_lsb2)) + allowance.misfit_px))
     return false;

@@ -1,5 +1,7 @@
 #pragma once
 /// From refined outlines to a pose with its uncertainty.
+#include <array>
+
 #include "base/result.h"
 #include "geometry/camera_model.h"
 #include "image/noise.h"
@@ -24,6 +26,12 @@ struct FitAllowance {
   bool is_coloured = false;
 };
 inline constexpr double kForetoldMisfit_px = 0.25;  ///< where a map and a track say that it is there
+
+/// Dots that are in sight, in part at least (kMinVisible). 0..9 [1] \param visible_share  of each dot's outline, 0..1
+/// Memory: none. Threads: pure.
+int dots_in_sight(const std::array<double, kDotCount>& visible_share) noexcept;
+/// With so many or fewer a wrong pose may fit nearly all of what is in sight: they are judged more strictly. [1]
+inline constexpr int kFewDots = 6;
 
 /// Whether all dots of the ring are there, each as a whole: what fits no picture then is something else that looks like
 /// the landmark, and not the landmark hidden in part. Memory: none. Threads: pure.
