@@ -142,8 +142,13 @@ for (const [name, { recording, lens, above: told }] of Object.entries(CASES))
       await page.keyboard.press("m");
       assert.deepEqual([picture.width, picture.height], [lens.width, lens.height]);
       // The pose that was true of this very frame: the one whose dots the picture shows.
-      const offOf = (pose) => Math.max(...DOTS.map((at) => { const pixel = pixelOf(lens, pose, at); return apart(pixel, darkMiddle(picture, pixel, 1.5 * sizeOf(lens, pose, 0))); }));
+      const offOf = (pose) => Math.max(...DOTS.map((at, i) => {
+        const pixel = pixelOf(lens, pose, at);
+        const off = apart(pixel, darkMiddle(picture, pixel, 1.5 * sizeOf(lens, pose, i)));
+        return Number.isNaN(off) ? Infinity : off;
+      }));
       const pose = truth.reduce((best, one) => (offOf(one) < offOf(best) ? one : best));
+      assert.ok(offOf(pose) <= WITHIN_PX, `no true pose has its dots where the picture shows them: ${offOf(pose)} px at best`);
       DOTS.forEach((at, i) => {
         const expected = pixelOf(lens, pose, at);
         const size = sizeOf(lens, pose, i);
