@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/contract.h"
-#include "image/vector_less.h"
+#include "image/vector_operators.h"
 
 // Variances are E[x^2] - E[x]^2 with x counted from the middle of the box, an integer. Counted from the picture's
 // corner both terms are up to 10^6 times as large as their difference, and for a single pixel rounding decides its

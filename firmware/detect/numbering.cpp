@@ -13,10 +13,10 @@ NumberingCosts numbering_costs(std::span<const PlanePoint> points, const Eigen::
   Eigen::Vector3d X = H_ray_plane.col(0).normalized();
   Eigen::Vector3d Z = H_ray_plane.col(1).normalized();
   Eigen::Vector3d to_camera = -H_ray_plane.col(2).normalized();
-  if (const auto poses = solve_planar_pose(points)) {
-    X = poses->front().T_camera_landmark.rotation.col(0);
-    Z = poses->front().T_camera_landmark.rotation.col(2);
-    to_camera = -poses->front().T_camera_landmark.translation_m.normalized();
+  if (const auto pose = solve_likelier_planar_pose(points)) {
+    X = pose->T_camera_landmark.rotation.col(0);
+    Z = pose->T_camera_landmark.rotation.col(2);
+    to_camera = -pose->T_camera_landmark.translation_m.normalized();
   }
   NumberingCosts costs = upright_costs(X, Z, to_camera, landmark, prior);
   const double least = *std::min_element(costs.begin(), costs.end());

@@ -5,7 +5,7 @@
 #include <opencv2/core/hal/intrin.hpp>
 
 #include "base/contract.h"
-#include "image/vector_less.h"
+#include "image/vector_operators.h"
 
 namespace ninedot {
 namespace {
@@ -100,11 +100,15 @@ void RegionFinder::find_runs(const ImageView& picture, const ImageBuffer& thresh
 
 std::int32_t RegionFinder::root(std::int32_t i) noexcept {
   Run* runs = runs_.data();
-  while (runs[i].parent != i) {
-    runs[i].parent = runs[runs[i].parent].parent;
-    i = runs[i].parent;
+  std::int32_t parent = runs[i].parent;
+  while (parent != i) {
+    const std::int32_t grandparent = runs[parent].parent;
+    if (grandparent == parent) break;
+    runs[i].parent = grandparent;
+    i = grandparent;
+    parent = runs[i].parent;
   }
-  return i;
+  return parent;
 }
 
 void RegionFinder::join_runs(int rows) noexcept {

@@ -52,10 +52,10 @@ struct Sides {
 };
 
 std::optional<double> sample(const ImageView& luma, const Eigen::Vector2d& px) noexcept {
-  const double x = std::floor(px.x()), y = std::floor(px.y());
-  if (!(x >= 0 && y >= 0 && x + 1 < luma.width_px && y + 1 < luma.height_px)) return std::nullopt;
-  const auto ix = static_cast<int>(x), iy = static_cast<int>(y);
-  const double fx = px.x() - x, fy = px.y() - y;
+  // Left of the picture's last column and above its last row; what is not a number is nowhere.
+  if (!(px.x() >= 0 && px.y() >= 0 && px.x() < luma.width_px - 1 && px.y() < luma.height_px - 1)) return std::nullopt;
+  const auto ix = static_cast<int>(px.x()), iy = static_cast<int>(px.y());
+  const double fx = px.x() - ix, fy = px.y() - iy;
   return (1 - fy) * ((1 - fx) * luma.at(ix, iy) + fx * luma.at(ix + 1, iy)) +
          fy * ((1 - fx) * luma.at(ix, iy + 1) + fx * luma.at(ix + 1, iy + 1));
 }
@@ -67,13 +67,17 @@ class Evidence {
       : luma_(luma), landmark_(landmark), hypothesis_(hypothesis), H_(H), noise_lsb_(noise_lsb) {
     for (std::size_t dot = 0; dot < kDotCount; ++dot) look_at_outline(dot);
     find_typical_contrast();
+    for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+      inside_lsb_[dot] = mean_inside(dot);
+      visible_[dot] = visible_fraction(dot);
+    }
   }
 
   Verification judge(const BlobList& blobs) const noexcept {
     Verification v;
     v.contrast_lsb = typical_lsb_;
     for (std::size_t dot = 0; dot < kDotCount; ++dot) {
-      v.visible_fraction[dot] = visible_fraction(dot);
+      v.visible_fraction[dot] = visible_[dot];
       v.score += v.visible_fraction[dot] * (dot == kCentreDot ? 2 : 1);
     }
     const auto ring_dots_from = [&](float least) {
@@ -147,7 +151,7 @@ class Evidence {
   /// A dot is ink from its outline to its middle: a washer or a hole with a rim is none.
   bool is_hollow(std::size_t dot) const noexcept {
     const auto middle = sample(luma_, map_point(H_, landmark_.centre_m(dot)));
-    return middle && *middle - mean_inside(dot) > kMinShare * expected_lsb(paper_lsb_);
+    return middle && *middle - inside_lsb_[dot] > kMinShare * expected_lsb(paper_lsb_);
   }
 
   float visible_fraction(std::size_t dot) const noexcept {
@@ -182,8 +186,8 @@ class Evidence {
     }
     for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
       const std::size_t next = (dot + 1) % kRingDotCount;
-      if (visible_fraction(dot) < kSeenOutline || visible_fraction(next) < kSeenOutline) continue;
-      ask((landmark_.centre_m(dot) + landmark_.centre_m(next)) / 2, std::max(mean_inside(dot), mean_inside(next)));
+      if (visible_[dot] < kSeenOutline || visible_[next] < kSeenOutline) continue;
+      ask((landmark_.centre_m(dot) + landmark_.centre_m(next)) / 2, std::max(inside_lsb_[dot], inside_lsb_[next]));
     }
     return asked == 0 || blank >= kMinPaper * asked;
   }
@@ -213,7 +217,7 @@ class Evidence {
       const auto d = static_cast<std::size_t>(
           (static_cast<int>(std::lround(a_rad * kDirections / (2 * std::numbers::pi))) + kDirections) % kDirections);
       const Sides& beside = sides_[kCentreDot][d];
-      if (visible_fraction(dot) >= kSeenOutline && beside.inside_picture && !is_edge(beside)) ++contradictions;
+      if (visible_[dot] >= kSeenOutline && beside.inside_picture && !is_edge(beside)) ++contradictions;
     }
     return contradictions >= 3;
   }
@@ -259,8 +263,7 @@ class Evidence {
   /// The same dot found a second time, or a part of it, is no intruder.
   bool is_on_a_dot(const Eigen::Vector2d& plane_m) const noexcept {
     for (std::size_t dot = 0; dot < kDotCount; ++dot)
-      if (visible_fraction(dot) >= kPartly &&
-          (plane_m - landmark_.centre_m(dot)).norm() < kOnADot * landmark_.radius_m(dot))
+      if (visible_[dot] >= kPartly && (plane_m - landmark_.centre_m(dot)).norm() < kOnADot * landmark_.radius_m(dot))
         return true;
     return false;
   }
@@ -287,6 +290,8 @@ class Evidence {
   double noise_lsb_;
   double typical_lsb_ = 0, paper_lsb_ = 0;
   std::array<std::array<Sides, kDirections>, kDotCount> sides_{};
+  std::array<double, kDotCount> inside_lsb_{};  ///< mean grey level just inside of each outline
+  std::array<float, kDotCount> visible_{};      ///< of each outline, 0..1
 };
 
 }  // namespace

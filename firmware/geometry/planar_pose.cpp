@@ -106,9 +106,9 @@ struct Reprojection {
   static State moved(const State& T, const Vector6& step) noexcept {
     return {exp_so3(step.head<3>()) * T.rotation, T.translation_m + step.tail<3>()};
   }
-  /// Below the tenth digit nothing is known: rays are seen to 1e-6 at best.
+  /// Rays are seen to 1e-6 at best. What is left after a step is a small share of it.
   static bool is_negligible(const State& T, const Vector6& step) noexcept {
-    return step.head<3>().norm() < 1e-10 && step.tail<3>().norm() < 1e-10 * T.translation_m.norm();
+    return step.head<3>().norm() < 1e-6 && step.tail<3>().norm() < 1e-6 * T.translation_m.norm();
   }
 
  private:
@@ -182,7 +182,10 @@ PlanarPose refine_planar_pose(std::span<const PlanePoint> points, const CameraFr
   return best;
 }
 
-Result<PlanarPoses> solve_planar_pose(std::span<const PlanePoint> points) noexcept {
+namespace {
+
+/// Both solutions from the homography alone, unrefined.
+Result<std::array<CameraFromLandmark, 2>> start_poses(std::span<const PlanePoint> points) noexcept {
   NINEDOT_TRY(const Eigen::Matrix3d H, fit_homography(points));
   // [X0 Z0 t] has a positive determinant where the camera is on the side to which Y0 = Z0 x X0 points.
   if (!(H.determinant() > 0))
@@ -192,19 +195,41 @@ Result<PlanarPoses> solve_planar_pose(std::span<const PlanePoint> points) noexce
   const Eigen::Vector2d middle = normalisation(points, &PlanePoint::plane_m).middle;
   Eigen::Matrix3d H_middle = H;
   H_middle.col(2) = H * middle.homogeneous();
+  const auto rotations = infinitesimal_rotations(H_middle);
+  std::array<CameraFromLandmark, 2> starts;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const Eigen::Matrix3d& R = rotations[i];
+    starts[i].rotation << R.col(0), -R.col(2), R.col(1);  // Y0 is the third axis, reversed
+    starts[i].translation_m = translation_for(points, starts[i].rotation);
+  }
+  return starts;
+}
+
+bool is_solution(const PlanarPose& pose) noexcept {
+  return std::isfinite(pose.rms) && on_printed_side(pose.T_camera_landmark);
+}
+
+}  // namespace
+
+Result<PlanarPoses> solve_planar_pose(std::span<const PlanePoint> points) noexcept {
+  NINEDOT_TRY(const auto starts, start_poses(points));
   PlanarPoses poses;
   std::size_t count = 0;
-  for (const Eigen::Matrix3d& R : infinitesimal_rotations(H_middle)) {
-    CameraFromLandmark start;
-    start.rotation << R.col(0), -R.col(2), R.col(1);  // Y0 is the third axis, reversed
-    start.translation_m = translation_for(points, start.rotation);
-    const PlanarPose pose = refine_planar_pose(points, start);
-    if (std::isfinite(pose.rms) && on_printed_side(pose.T_camera_landmark)) poses[count++] = pose;
-  }
+  for (const CameraFromLandmark& start : starts)
+    if (const PlanarPose pose = refine_planar_pose(points, start); is_solution(pose)) poses[count++] = pose;
   if (count == 0) return fail(Errc::kPoseDegenerate, "no planar pose sees the printed side of the dots");
   if (count == 1) poses[1] = poses[0];
   if (poses[1].rms < poses[0].rms) std::swap(poses[0], poses[1]);
   return poses;
+}
+
+Result<PlanarPose> solve_likelier_planar_pose(std::span<const PlanePoint> points) noexcept {
+  NINEDOT_TRY(auto starts, start_poses(points));
+  const Reprojection problem{points};
+  if (problem.cost(starts[1]) < problem.cost(starts[0])) std::swap(starts[0], starts[1]);
+  for (const CameraFromLandmark& start : starts)
+    if (const PlanarPose pose = refine_planar_pose(points, start); is_solution(pose)) return pose;
+  return fail(Errc::kPoseDegenerate, "no planar pose sees the printed side of the dots");
 }
 
 }  // namespace ninedot

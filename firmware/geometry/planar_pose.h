@@ -32,6 +32,11 @@ using PlanarPoses = std::array<PlanarPose, 2>;
 /// Memory: none. Threads: pure.
 Result<PlanarPoses> solve_planar_pose(std::span<const PlanePoint> points) noexcept;
 
+/// The one whose start fits better, at little more than half the cost: where noise decides between them, it may be the
+/// one that solve_planar_pose() has second. \param points, \error  as above
+/// Memory: none. Threads: pure.
+Result<PlanarPose> solve_likelier_planar_pose(std::span<const PlanePoint> points) noexcept;
+
 /// Minimises the reprojection error from a start pose.
 /// \param start  all points in front of the camera (contract by result: otherwise rms is infinite)
 /// Memory: none. Threads: pure.

@@ -50,8 +50,9 @@ template <int kLeft, int kRight, typename Pick>
 void slide_along_row(const std::uint8_t* in, std::uint8_t* out, std::uint8_t* line, std::uint8_t* fours, int width,
                      Pick pick) noexcept {
   const int padded = width + kLeft + kRight;
-  std::memset(line, Pick::kNeutral, static_cast<std::size_t>(padded));
+  std::memset(line, Pick::kNeutral, kLeft);
   std::memcpy(line + kLeft, in, static_cast<std::size_t>(width));
+  std::memset(line + kLeft + width, Pick::kNeutral, kRight);
   combine(pick, padded - 3, fours, line, line + 1, line + 2, line + 3);
   combine_fours<kLeft + kRight + 1>(pick, width, out, [&](int i) { return fours + i; });
 }

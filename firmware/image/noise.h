@@ -9,8 +9,8 @@ namespace ninedot {
 
 /// Noise of a picture, from second differences along some rows: 1.4826 median |d2| / sqrt(6). Edges hardly move it.
 /// Source: Immerkaer, "Fast Noise Variance Estimation", CVIU 1996, with a median in place of the mean.
-/// \return  1-sigma [grey levels]; 0 for a picture narrower than three pixels
-/// Memory: none (4 kB of stack). Threads: pure.
+/// \return  1-sigma [grey levels]; 0 for a picture narrower than four pixels
+/// Memory: none (2 kB of stack). Threads: pure.
 double estimate_noise_lsb(const ImageView& in) noexcept;
 
 /// Noise of a picture and how it grows with brightness: the same estimate, from a quarter of the pixels, for each
@@ -19,7 +19,7 @@ double estimate_noise_lsb(const ImageView& in) noexcept;
 class PictureNoise {
  public:
   PictureNoise() = default;
-  /// Memory: none (17 kB of stack). Threads: pure.
+  /// Memory: none (18 kB of stack). Threads: pure.
   explicit PictureNoise(const ImageView& in) noexcept;
 
   /// Of all pixels together, 1-sigma [LSB].

@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <opencv2/core/hal/intrin.hpp>
 
+#include "image/vector_operators.h"
+
 namespace ninedot {
 namespace {
 
 /// Of eight squares of two by two pixels. Neighbours are added as the halves of words: taking them apart into vectors
 /// of even and odd bytes would be twice the work.
 cv::v_uint16x8 sums_of_four(const std::uint8_t* above, const std::uint8_t* below) noexcept {
-  const auto sums_of_two = [](const std::uint8_t* at) {
+  const cv::v_uint16x8 even_bytes = cv::v_setall_u16(0xFF);
+  const auto sums_of_two = [&](const std::uint8_t* at) {
     const cv::v_uint16x8 pairs = cv::v_reinterpret_as_u16(cv::v_load(at));
-    return cv::v_add_wrap(cv::v_shr<8>(cv::v_shl<8>(pairs)), cv::v_shr<8>(pairs));
+    return cv::v_add_wrap(common_bits(pairs, even_bytes), cv::v_shr<8>(pairs));
   };
   return cv::v_add_wrap(sums_of_two(above), sums_of_two(below));
 }

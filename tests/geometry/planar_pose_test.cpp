@@ -76,6 +76,21 @@ TEST_F(PlanarPoseLaws, RecoversExactPosesFromNineDots) {
   }
 }
 
+/// Where noise leaves no doubt which of both it is.
+TEST_F(PlanarPoseLaws, TheLikelierOneIsTheFirstOfBoth) {
+  int compared = 0;
+  for (int run = 0; run < 500; ++run) {
+    const auto points = observe(any_pose(), 1e-4, random_);
+    const auto both = solve_planar_pose(points);
+    const auto one = solve_likelier_planar_pose(points);
+    ASSERT_EQ(both.has_value(), one.has_value()) << "seed " << seed_ << " run " << run;
+    if (!both || (*both)[1].rms < 1.5 * (*both)[0].rms) continue;
+    ++compared;
+    ASSERT_NEAR(one->rms, (*both)[0].rms, 1e-9) << "seed " << seed_ << " run " << run;
+  }
+  EXPECT_GT(compared, 250);
+}
+
 TEST_F(PlanarPoseLaws, RecoversExactPosesFromFourRingDots) {
   for (int run = 0; run < 500; ++run) {
     const CameraFromLandmark truth = any_pose(70);
