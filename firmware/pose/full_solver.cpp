@@ -26,6 +26,8 @@ constexpr std::size_t kLeastCentroids = 5;
 constexpr double kDecisive_chi2 = 60;
 // The same where a track has told the two apart: odds of 1 to 10000, while they are further apart than a track's noise.
 constexpr double kSettled_chi2 = 18.4, kApart_rad = 0.17;
+// Odds of exp(-500): how much further beyond makes no difference to anything.
+constexpr double kBeyondDoubt_chi2 = 1000;
 // Residual of centroids that a track may start from at once: its outlines then lie within the half pixel of
 // Start::kClose.
 constexpr double kCloseStart_px = 0.4;
@@ -74,7 +76,7 @@ struct FullSolver::Workspace {
   bool refine_first(const ImageView& luma, const LandmarkObservation& seen, const Starts& starts,
                     const PosePrior* prior, double warp_px, int& pixels, const SheetMotion& motion) noexcept;
   double believable(double chi2_above, const OutlineState& other) const noexcept;
-  std::optional<PoseCandidate> weigh_mirror(const ImageView& luma, bool side_is_settled, double warp_px,
+  std::optional<PoseCandidate> weigh_mirror(const ImageView& luma, const PosePrior* prior, double warp_px,
                                             int& pixels) noexcept;
 
   CameraModel camera;
@@ -170,7 +172,7 @@ double FullSolver::Workspace::believable(double chi2_above, const OutlineState& 
 
 /// The mirror image of the first refiner's pose; none: there is no second pose. `chi2_above` is below zero where it
 /// fits better.
-std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView& luma, bool side_is_settled,
+std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView& luma, const PosePrior* prior,
                                                                  double warp_px, int& pixels) noexcept {
   OutlineState mirrored = first.state();
   const std::array<double, kDotCount> visible = first.visible_share();
@@ -180,11 +182,17 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
   PoseCandidate mirror;
   mirror.pose.T_landmark_camera = mirrored.T_camera_landmark.inverse();
   mirror.outlines = mirrored;
-  mirror.chi2_above = believable(first.chi2_above(mirrored), mirrored);
+  mirror.chi2_above = believable(first.chi2_above(mirrored, kBeyondDoubt_chi2), mirrored);
+  // What a track has settled says nothing for a pose that has left its side.
+  const auto from_track_rad = [&](const CameraFromLandmark& T) {
+    return angle_between_rad(prior->T_camera_landmark, T);
+  };
+  const bool is_settled = prior != nullptr && prior->side_is_settled && apart_rad > kApart_rad &&
+                          from_track_rad(first.state().T_camera_landmark) < from_track_rad(mirrored.T_camera_landmark);
   // A wrong pose of few dots has weights that suit it, and by these the right one is excluded by 80 to 3600.
-  const double decisive_chi2 = side_is_settled && apart_rad > kApart_rad ? kSettled_chi2
-                               : dots_in_sight(visible) <= kFewDots      ? std::numeric_limits<double>::infinity()
-                                                                         : kDecisive_chi2;
+  const double decisive_chi2 = is_settled                           ? kSettled_chi2
+                               : dots_in_sight(visible) <= kFewDots ? std::numeric_limits<double>::infinity()
+                                                                    : kDecisive_chi2;
   mirror.refined = !(mirror.chi2_above > decisive_chi2);
   if (!mirror.refined) return mirror;
   if (!second.refine(luma, mirrored, OutlineRefiner::Start::kClose, warp_px, pixels).has_converged()) {
@@ -223,7 +231,7 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
     mirror->chi2_above = starts.second_chi2_above;
     mirror->refined = false;
   } else {
-    mirror = w.weigh_mirror(luma, prior != nullptr && prior->side_is_settled, candidates.warp_px, pixels);
+    mirror = w.weigh_mirror(luma, prior, candidates.warp_px, pixels);
   }
   // A mirror image that there was nothing left to refine with is not excluded by a glance.
   if (pixels <= 0 && mirror && !mirror->refined && !starts.centroids_decide())
@@ -252,7 +260,7 @@ Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const CameraFro
   PoseCandidates candidates;
   candidates.warp_px = prior.warp_px;
   const PoseCandidate believed = candidate_of(w.first, w.camera, w.landmark);
-  const auto mirror = w.weigh_mirror(luma, prior.side_is_settled, prior.warp_px, pixels);
+  const auto mirror = w.weigh_mirror(luma, &prior, prior.warp_px, pixels);
   if (pixels <= 0 && mirror && !mirror->refined) return lost;
   list_by_fit(believed, mirror, candidates);
   return candidates;

@@ -1,6 +1,7 @@
 #include "pose/mirror_image.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/inline_vector.h"
 #include "geometry/planar_pose.h"
@@ -52,12 +53,18 @@ CameraFromLandmark mirror_image(const CameraFromLandmark& T, const LandmarkGeome
     const Eigen::Vector2d C = landmark.centre_m(dot);
     (void)points.try_push_back({C, (T * Eigen::Vector3d(C.x(), 0, C.y())).hnormalized()});  // as many as dots
   }
+  // Where the reflection climbs to is what the other one of both solutions is, at a third of the cost; unless, of few
+  // dots, it climbs back.
   const CameraFromLandmark reflection = reflected(T);
+  const double least_rad = kFellBack * angle_between_rad(reflection, T);
+  const PlanarPose climbed = refine_planar_pose(points.span(), reflection);
+  if (std::isfinite(climbed.rms) && angle_between_rad(climbed.T_camera_landmark, T) >= least_rad)
+    return climbed.T_camera_landmark;
   const auto poses = solve_planar_pose(points.span());
   if (!poses) return reflection;
   const CameraFromLandmark &a = (*poses)[0].T_camera_landmark, &b = (*poses)[1].T_camera_landmark;
   const double a_rad = angle_between_rad(a, T), b_rad = angle_between_rad(b, T);
-  if (std::max(a_rad, b_rad) < kFellBack * angle_between_rad(reflection, T)) return reflection;
+  if (std::max(a_rad, b_rad) < least_rad) return reflection;
   return a_rad > b_rad ? a : b;
 }
 

@@ -11,9 +11,9 @@ namespace ninedot {
 /// Visible shares of a landmark that nothing hides [1].
 inline constexpr std::array<double, kDotCount> kAllInSight{1, 1, 1, 1, 1, 1, 1, 1, 1};
 
-/// The pose from which the dots' centres look most like those of `T`, on the other side of the line of sight: the other
-/// solution of Collins & Bartoli, IJCV 2014, for the centres as `T` shows them. Where perspective leaves these a single
-/// solution, the reflection: noise in a picture can have made a second one all the same, and `T` of it.
+/// The pose from which the dots' centres look most like those of `T`, on the other side of the line of sight: what the
+/// reflection of `T` there becomes when it is fitted to the centres as `T` shows them. Where perspective leaves these a
+/// single solution, the reflection itself: noise in a picture can have made a second one all the same, and `T` of it.
 /// \param visible_share  of each dot's outline, 0..1: the poses are to look alike where dots are in sight
 /// (kMinVisible), unless fewer than five are; what is hidden may move as it likes. Of half a landmark that is another
 /// pose than of all. Memory: none. Threads: pure.

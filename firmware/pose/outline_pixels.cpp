@@ -73,25 +73,74 @@ RowShift shift_rows(const CameraFromLandmark& T, const Eigen::Vector2d& centre_m
           static_cast<float>(motion.middle_row_px)};
 }
 
-/// Where a row crosses the ellipse |M (x - c)| = factor; false where it does not.
-bool row_span(const DotEllipse& e, double y_px, double factor, double& x0, double& x1) noexcept {
-  const Eigen::Vector2d a = e.circle_from_px.col(0);
-  const Eigen::Vector2d b = e.circle_from_px.col(1) * (y_px - e.centre_px.y());
-  const double aa = a.squaredNorm(), ab = a.dot(b);
-  const double discriminant = ab * ab - aa * (b.squaredNorm() - factor * factor);
-  if (!(discriminant > 0)) return false;
-  const double root = std::sqrt(discriminant);
-  x0 = e.centre_px.x() + (-ab - root) / aa;
-  x1 = e.centre_px.x() + (-ab + root) / aa;
-  return true;
-}
+/// Where rows cross the ellipses |M (x - c)| = factor. With the columns a, b of M: |a dx + b dy| = factor.
+class RowSpans {
+ public:
+  explicit RowSpans(const DotEllipse& e) noexcept : centre_px_(e.centre_px) {
+    const Eigen::Vector2d a = e.circle_from_px.col(0), b = e.circle_from_px.col(1);
+    aa_ = a.squaredNorm();
+    shear_ = -a.dot(b) / aa_;
+    const double det = e.circle_from_px.determinant();
+    det2_ = det * det;
+  }
+
+  /// \return  false where it does not
+  bool cross(double y_px, double factor, double& x0, double& x1) const noexcept {
+    const double dy = y_px - centre_px_.y();
+    const double discriminant = aa_ * factor * factor - det2_ * dy * dy;
+    if (!(discriminant > 0)) return false;
+    const double half = std::sqrt(discriminant) / aa_, middle = centre_px_.x() + shear_ * dy;
+    x0 = middle - half;
+    x1 = middle + half;
+    return true;
+  }
+
+ private:
+  Eigen::Vector2d centre_px_;
+  double aa_, shear_, det2_;
+};
 
 /// 0 .. 1 once around, growing with the angle of (x, y), though not evenly: within a third of it.
-double turn_of(double x, double y) noexcept {
-  const double sum = std::abs(x) + std::abs(y);
-  const double along = sum > 0 ? y / sum : 0;
-  return x < 0 ? 0.5 - 0.25 * along : along < 0 ? 1 + 0.25 * along : 0.25 * along;
+inline float turn_of(float x, float y) noexcept {
+  const float sum = std::abs(x) + std::abs(y);
+  const float along = y / (sum > 0 ? sum : 1);
+  return x < 0 ? 0.5F - 0.25F * along : along < 0 ? 1 + 0.25F * along : 0.25F * along;
 }
+
+// Pixels of a row that are looked at together: about as many as a band of 3 px is long on its sides.
+constexpr int kTogether = 8;
+using Sectors = std::array<std::int32_t, kTogether>;
+constexpr std::int32_t kBesideBand = -1;
+
+/// In which sector of a dot's band pixels lie.
+struct SectoredBand {
+  SectoredBand(const DotEllipse& e, double band_px, std::size_t sectors)
+      : circle_from_px(e.circle_from_px.cast<float>()),
+        band2_px2(static_cast<float>(band_px * band_px)),
+        count(static_cast<float>(sectors)) {}
+
+  /// Of every `step`-th pixel of a row, the first at (dx, dy) from the dot's centre; kBesideBand: in none. One loop,
+  /// free of branches, which the compiler turns into vector instructions.
+  Sectors sectors_of(float dx, float dy, int step) const noexcept {
+    const Eigen::Matrix2f M = circle_from_px;
+    const float stride = static_cast<float>(step), last = count - 1;
+    Sectors sectors;
+    for (int i = 0; i < kTogether; ++i) {
+      const float x = dx + static_cast<float>(i) * stride;
+      const float qx = M(0, 0) * x + M(0, 1) * dy, qy = M(1, 0) * x + M(1, 1) * dy;
+      // Distance to the outline to first order: (|q| - 1) over the length of its gradient, |M^T q| / |q|.
+      const float gx = M(0, 0) * qx + M(1, 0) * qy, gy = M(0, 1) * qx + M(1, 1) * qy;
+      const float radius2 = qx * qx + qy * qy, outside = radius2 - std::sqrt(radius2);
+      const float turned = turn_of(qx, qy) * count;
+      const auto sector = static_cast<std::int32_t>(turned < last ? turned : last);
+      sectors[static_cast<std::size_t>(i)] = outside * outside > band2_px2 * (gx * gx + gy * gy) ? kBesideBand : sector;
+    }
+    return sectors;
+  }
+
+  Eigen::Matrix2f circle_from_px;
+  float band2_px2, count;
+};
 
 }  // namespace
 
@@ -125,7 +174,121 @@ bool sees_another(const Neighbours& neighbours, const DotEllipse& own, const Eig
   return false;
 }
 
-/// Appends one dot's pixels, sorted into its sectors. \return false when they do not fit
+/// A dot and how it is to be looked at.
+struct DotBand {
+  const DotEllipse& e;
+  const Neighbours& neighbours;
+  RowShift shift;
+  double band_px;
+  int thin;
+  bool whole;
+  std::size_t sectors;
+};
+
+/// Where each sector's pixels are in OutlinePixels, and the sums of their coordinates.
+struct SectorRanges {
+  std::array<std::int32_t, kMaxSectors> first{}, end{}, sum_x_px{}, sum_y_px{};
+};
+
+/// Calls append(y, first, last) for each stretch of a row that lies in the band, roughly: until it returns false.
+/// \return whether it never did
+template <typename Append>
+bool for_each_stretch(const ImageView& luma, const DotBand& dot, Append&& append) noexcept {
+  const DotEllipse& e = dot.e;
+  const RowSpans spans(e);
+  const double outer = 1 + dot.band_px / e.semi_minor_px;
+  const double inner = 1 - dot.band_px / e.semi_minor_px;
+  const double reach_px = e.semi_major_px * outer + 1;
+  const int y0 = std::max(0, static_cast<int>(std::ceil(e.centre_px.y() - reach_px)));
+  const int y1 = std::min(luma.height_px - 1, static_cast<int>(std::floor(e.centre_px.y() + reach_px)));
+  for (int y = y0; y <= y1; ++y) {
+    double x0, x1, hole0 = 0, hole1 = 0;
+    if (!spans.cross(y, outer, x0, x1)) continue;
+    const int first = std::max(0, static_cast<int>(std::ceil(x0)));
+    const int last = std::min(luma.width_px - 1, static_cast<int>(std::floor(x1)));
+    if (inner > 0 && spans.cross(y, inner, hole0, hole1)) {
+      const int before = std::min(last, static_cast<int>(std::floor(hole0)));
+      if (before >= first && !append(y, first, before)) return false;
+      const int after = std::max({first, before + 1, static_cast<int>(std::floor(hole1)) + 1});
+      if (after <= last && !append(y, after, last)) return false;
+    } else if (first <= last && !append(y, first, last)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Appends the pixels of a dot that is one group, stretch by stretch. \return false when they do not fit
+bool append_rows(const ImageView& luma, const RayTable& rays, const DotBand& dot, OutlinePixels& out,
+                 SectorRanges& ranges) noexcept {
+  std::size_t at = out.count;
+  const bool fits = for_each_stretch(luma, dot, [&](int y, int first, int last) {
+    const auto count = static_cast<std::size_t>(last - first + 1);
+    if (count > out.luma.size() - at) return false;
+    float *const x_px = &out.x_px[at], *const ray_x = &out.ray_x[at], *const ray_y = &out.ray_y[at];
+    rays.rays_of_row(first, y, count, ray_x, ray_y);
+    const float rows = static_cast<float>(y) - dot.shift.middle_row;
+    const float shift_x = rows * dot.shift.ray_x, shift_y = rows * dot.shift.ray_y;
+    const std::uint8_t* const grey = luma.row(y) + first;
+    for (std::size_t i = 0; i < count; ++i) {
+      x_px[i] = static_cast<float>(first + static_cast<int>(i));
+      ray_x[i] -= shift_x, ray_y[i] -= shift_y;
+      out.luma[at + i] = grey[i];
+    }
+    std::fill_n(&out.y_px[at], count, static_cast<float>(y));
+    ranges.sum_x_px[0] += (first + last) * (last - first + 1) / 2;
+    ranges.sum_y_px[0] += y * (last - first + 1);
+    at += count;
+    return true;
+  });
+  ranges.first[0] = static_cast<std::int32_t>(out.count), ranges.end[0] = static_cast<std::int32_t>(at);
+  return fits;
+}
+
+/// Appends a dot's pixels, sorted by sector, so that each group is one stretch. \return false when they do not fit
+bool append_sorted(const ImageView& luma, const RayTable& rays, const DotBand& dot, OutlinePixels& out,
+                   SectorRanges& ranges) noexcept {
+  const DotEllipse& e = dot.e;
+  const SectoredBand band(e, dot.band_px, dot.sectors);
+  std::array<std::int32_t, kMaxSectors> counts{};
+  std::size_t total = 0;
+  const std::size_t room = out.luma.size() - out.count;
+  const bool fits = for_each_stretch(luma, dot, [&](int y, int first, int last) {
+    if (room - total < static_cast<std::size_t>((last - first) / dot.thin + 1)) return false;
+    const float dy = static_cast<float>(y - e.centre_px.y());
+    const int begin = first + (dot.thin - (first + 2 * y) % dot.thin) % dot.thin;  // where x + 2 y is a multiple
+    for (int x = begin; x <= last; x += kTogether * dot.thin) {
+      Sectors there{};
+      if (!dot.whole) there = band.sectors_of(static_cast<float>(x - e.centre_px.x()), dy, dot.thin);
+      for (int i = 0, at = x; i < kTogether && at <= last; ++i, at += dot.thin) {
+        const std::int32_t sector = there[static_cast<std::size_t>(i)];
+        if (sector == kBesideBand) continue;
+        if (!dot.neighbours.empty() && sees_another(dot.neighbours, e, {at, y}, kReachOfBand * dot.band_px)) continue;
+        out.candidates[total++] = {static_cast<std::int16_t>(at), static_cast<std::int16_t>(y),
+                                   static_cast<std::uint8_t>(sector)};
+        ++counts[static_cast<std::size_t>(sector)];
+      }
+    }
+    return true;
+  });
+  if (!fits) return false;
+  ranges.first[0] = static_cast<std::int32_t>(out.count);
+  for (std::size_t s = 1; s < dot.sectors; ++s) ranges.first[s] = ranges.first[s - 1] + counts[s - 1];
+  ranges.end = ranges.first;
+  for (const OutlinePixels::Candidate& c : std::span(out.candidates).first(total)) {
+    float ray_x, ray_y;
+    if (!rays.ray(c.x, c.y, ray_x, ray_y)) continue;
+    const auto i = static_cast<std::size_t>(ranges.end[c.sector]++);
+    const float y = static_cast<float>(c.y), rows = y - dot.shift.middle_row;
+    out.x_px[i] = static_cast<float>(c.x), out.y_px[i] = y;
+    out.ray_x[i] = ray_x - rows * dot.shift.ray_x, out.ray_y[i] = ray_y - rows * dot.shift.ray_y;
+    out.luma[i] = luma.at(c.x, c.y);
+    ranges.sum_x_px[c.sector] += c.x, ranges.sum_y_px[c.sector] += c.y;
+  }
+  return true;
+}
+
+/// Appends one dot's pixels as groups. \return false when they do not fit
 bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e, const Neighbours& neighbours,
                 const RowShift& shift, std::uint8_t dot, double band_px, int thin, bool split, bool at_paper_edge,
                 OutlinePixels& out) noexcept {
@@ -136,71 +299,24 @@ bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e
       whole   ? 1
       : small ? 8
               : std::clamp<std::size_t>(static_cast<std::size_t>(length_px / kSector_px), 8, kMaxSectors);
-  const double outer = 1 + band_px / e.semi_minor_px;
-  const double inner = 1 - band_px / e.semi_minor_px;
-  const double reach_px = e.semi_major_px * outer + 1;
-
-  std::array<std::int32_t, kMaxSectors> counts{}, next{};
-  std::size_t total = 0;
-  const int y0 = std::max(0, static_cast<int>(std::ceil(e.centre_px.y() - reach_px)));
-  const int y1 = std::min(luma.height_px - 1, static_cast<int>(std::floor(e.centre_px.y() + reach_px)));
-  for (int y = y0; y <= y1; ++y) {
-    double x0, x1, hole0 = 0, hole1 = -1;
-    if (!row_span(e, y, outer, x0, x1)) continue;
-    const bool hole = inner > 0 && row_span(e, y, inner, hole0, hole1);
-    const int first = std::max(0, static_cast<int>(std::ceil(x0)));
-    const int last = std::min(luma.width_px - 1, static_cast<int>(std::floor(x1)));
-    for (int x = first; x <= last; ++x) {
-      if (hole && x > hole0 && x < hole1) {
-        x = static_cast<int>(std::floor(hole1));
-        continue;
-      }
-      if (thin > 1 && (x + 2 * y) % thin != 0) continue;
-      if (!neighbours.empty() && sees_another(neighbours, e, {x, y}, kReachOfBand * band_px)) continue;
-      std::size_t sector = 0;
-      if (!whole) {
-        const Eigen::Vector2d q = e.circle_from_px * Eigen::Vector2d(x - e.centre_px.x(), y - e.centre_px.y());
-        // Distance to the outline to first order: (|q| - 1) over the length of its gradient, |M^T q| / |q|.
-        const double radius2 = q.squaredNorm(), radius = std::sqrt(radius2);
-        const double outside = radius2 - radius;
-        if (outside * outside > band_px * band_px * (e.circle_from_px.transpose() * q).squaredNorm()) continue;
-        sector = std::min(sectors - 1, static_cast<std::size_t>(turn_of(q.x(), q.y()) * static_cast<double>(sectors)));
-      }
-      if (out.count + total == out.luma.size()) return false;
-      out.candidates[total++] = {static_cast<std::int16_t>(x), static_cast<std::int16_t>(y),
-                                 static_cast<std::uint8_t>(sector)};
-      ++counts[sector];
-    }
-  }
-  // Sorted by sector, so that each group is one stretch.
-  next[0] = static_cast<std::int32_t>(out.count);
-  for (std::size_t s = 1; s < sectors; ++s) next[s] = next[s - 1] + counts[s - 1];
-  const auto starts = next;
-  for (const OutlinePixels::Candidate& c : std::span(out.candidates).first(total)) {
-    float ray_x, ray_y;
-    if (!rays.ray(c.x, c.y, ray_x, ray_y)) continue;
-    const auto i = static_cast<std::size_t>(next[c.sector]++);
-    out.x_px[i] = static_cast<float>(c.x), out.y_px[i] = static_cast<float>(c.y);
-    const float rows = static_cast<float>(c.y) - shift.middle_row;
-    out.ray_x[i] = ray_x - rows * shift.ray_x, out.ray_y[i] = ray_y - rows * shift.ray_y;
-    out.luma[i] = luma.at(c.x, c.y);
-  }
+  const DotBand band{e, neighbours, shift, band_px, thin, whole, sectors};
+  SectorRanges ranges;
+  // Most dots of most pictures: nothing is sorted, nothing left out.
+  const bool is_plain = whole && thin == 1 && neighbours.empty() && !rays.has_gaps();
+  if (!(is_plain ? append_rows : append_sorted)(luma, rays, band, out, ranges)) return false;
   for (std::size_t s = 0; s < sectors; ++s) {
     OutlineGroup group;
-    group.first = starts[s];
-    group.count = next[s] - starts[s];
+    group.first = ranges.first[s];
+    group.count = ranges.end[s] - ranges.first[s];
     group.dot = dot;
     group.whole_dot = whole;
     group.at_paper_edge = at_paper_edge;
     if (group.count < 8) continue;
-    double sum_x = 0, sum_y = 0;
-    for (std::int32_t i = group.first; i < next[s]; ++i)
-      sum_x += out.x_px[static_cast<std::size_t>(i)], sum_y += out.y_px[static_cast<std::size_t>(i)];
-    group.centre_x_px = static_cast<float>(sum_x / group.count);
-    group.centre_y_px = static_cast<float>(sum_y / group.count);
+    group.centre_x_px = static_cast<float>(static_cast<double>(ranges.sum_x_px[s]) / group.count);
+    group.centre_y_px = static_cast<float>(static_cast<double>(ranges.sum_y_px[s]) / group.count);
     if (!out.groups.try_push_back(group)) return false;
   }
-  out.count += total;
+  out.count = static_cast<std::size_t>(ranges.end[sectors - 1]);
   return true;
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pose/outline_shape.h"
 
@@ -36,9 +37,9 @@ constexpr int kMostThinned = 3;  // every third: half the precision at most
 // fit whatever is there.
 constexpr int kLeastThinned = 2500;
 constexpr int kRoughThinning = 3;  // of the pixels, while the pose is off by tenths of a pixel
-// A stage that is not the last may look at every second pixel, where so many are left that what it is off by for that
-// is less than what it is off by for its start.
-constexpr int kEarlyThinning = 2, kLeastEarly = 600;
+// A stage that is not the last may look at every second or third pixel, where so many are left that what it is off by
+// for that is less than what it is off by for its start.
+constexpr std::size_t kMostEarlyThinned = 2, kLeastEarly = 600;
 constexpr double kRoughBand_px = 3.5;  // a rough start is good to two pixels, and half of the blur's reach on top
 // Pixels up to this many sigmas of the blur from an outline: beyond, their grey levels hardly depend on its place.
 // Measured over the accuracy page's conditions (`accuracy --out`): 36 of 45 rows came nearer to the bound than
@@ -118,14 +119,13 @@ bool OutlineRefiner::look_again_if_stale(int stage) noexcept {
 
 bool OutlineRefiner::linearise(int stage) noexcept {
   if (pixels_left_ <= 0 || !look_again_if_stale(stage)) return false;
-  const bool is_early = stage == kCloseStage && quality_ != Start::kExpected &&
-                        pixels_.count >= std::size_t{kEarlyThinning} * kLeastEarly;
-  const std::size_t every = is_early ? kEarlyThinning : 1;
+  const bool is_early = stage == kCloseStage && quality_ != Start::kExpected;
+  const std::size_t every = is_early ? std::clamp<std::size_t>(pixels_.count / kLeastEarly, 1, kMostEarlyThinned) : 1;
   pixels_left_ -= static_cast<int>(pixels_.count / every);
   linearised_at_ = state_;
   const auto groups = pixels_.groups.span();
-  for (std::size_t g = 0; g < groups.size(); ++g)
-    fit_group(pixels_, groups[g], landmark_, state_, Asked::kState, fits_[g], every);
+  GroupFitter fitter(pixels_, landmark_, state_, Asked::kState);
+  for (std::size_t g = 0; g < groups.size(); ++g) fitter.fit(groups[g], fits_[g], every);
   weigh_groups(groups, fits_, std::max(stage_of(stage).shift_floor_px, warp_px_), weights_);
   // An outline that is not where it is looked for fits as badly as one that a shadow's edge crosses.
   look_.split_since = stage_of(stage).may_split && !is_first_of_expectation(stage) &&
@@ -217,17 +217,27 @@ bool OutlineRefiner::solve_equations(double nuisance_sigma, Step& step) noexcept
   return step.allFinite();
 }
 
-double OutlineRefiner::chi2_above(const OutlineState& other) const noexcept {
+double OutlineRefiner::chi2_above(const OutlineState& other, double enough) const noexcept {
   // After a short step the equations know what it has gained: all but its third order.
   const bool is_known = statistics_.stopped == Stopped::kSettled;
   double difference = is_known ? gain_ : 0;
+  // What the rest of the groups can take off the difference, should the other state explain them without a residual.
+  double ours_left = is_known ? 0 : std::numeric_limits<double>::infinity();
+  if (is_known)
+    for (std::size_t i = 0; i < pixels_.groups.size(); ++i)
+      ours_left += std::max(weights_.weight[i], 0.0) * fits_[i].squared_residuals / weights_.noise_variance_lsb2;
+  GroupFitter at_other(pixels_, landmark_, other, Asked::kLightOnly),
+      here(pixels_, landmark_, state_, Asked::kLightOnly);
   GroupFit theirs, ours;
   for (std::size_t i = 0; i < pixels_.groups.size(); ++i) {
     if (weights_.weight[i] <= 0) continue;
-    fit_group(pixels_, pixels_.groups[i], landmark_, other, Asked::kLightOnly, theirs);
-    if (!is_known) fit_group(pixels_, pixels_.groups[i], landmark_, state_, Asked::kLightOnly, ours);
+    if (difference - ours_left > enough) return difference - ours_left;
+    at_other.fit(pixels_.groups[i], theirs);
+    if (!is_known) here.fit(pixels_.groups[i], ours);
     const double our_squares = is_known ? fits_[i].squared_residuals : ours.squared_residuals;
-    difference += weights_.weight[i] * (theirs.squared_residuals - our_squares) / weights_.noise_variance_lsb2;
+    const double chi2_per_lsb2 = weights_.weight[i] / weights_.noise_variance_lsb2;
+    difference += chi2_per_lsb2 * (theirs.squared_residuals - our_squares);
+    ours_left -= chi2_per_lsb2 * our_squares;
   }
   return difference;
 }

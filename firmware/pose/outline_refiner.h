@@ -2,6 +2,7 @@
 /// The pose that fits the grey levels along all outlines best, from one start.
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "geometry/dot_sighting.h"
 #include "geometry/gauss_newton.h"
@@ -34,7 +35,8 @@ class OutlineRefiner {
                                     int& pixels) noexcept;
 
   /// How much worse `other` explains the pixels that this state was fitted to: difference of chi^2 [1].
-  double chi2_above(const OutlineState& other) const noexcept;
+  /// \param enough  where it is surely more than that, the answer may be anything in between [1]
+  double chi2_above(const OutlineState& other, double enough = std::numeric_limits<double>::infinity()) const noexcept;
 
   /// Of a dot's groups, the share whose outline is where it belongs, though its light may be spoiled. 0..1
   std::array<double, kDotCount> visible_share() const noexcept;

@@ -1,6 +1,6 @@
 #include "pose/outline_shape.h"
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -55,6 +55,21 @@ using Amounts = InlineVector<double, kDotCount>;
 double square(double x) noexcept { return x * x; }
 double root_beyond(double squared, double by_noise) noexcept { return std::sqrt(std::max(squared - by_noise, 0.0)); }
 
+/// Of the first `count` unknowns: of the diagonal of (L L^T)^-1, whose columns are those of L^-1 times themselves.
+double largest_variance(const Eigen::LLT<UnknownMatrix>& factors, Eigen::Index count) noexcept {
+  const UnknownMatrix& L = factors.matrixLLT();
+  double largest = 0;
+  for (Eigen::Index unknown = 0; unknown < count; ++unknown) {
+    UnknownVector column = UnknownVector::Unit(unknown);  // of L^-1, by forward substitution
+    for (Eigen::Index i = unknown; i < kUnknowns; ++i) {
+      for (Eigen::Index k = unknown; k < i; ++k) column(i) -= L(i, k) * column(k);
+      column(i) /= L(i, i);
+    }
+    largest = std::max(largest, column.squaredNorm());
+  }
+  return largest;
+}
+
 double middle_of(Amounts& amounts) noexcept {
   const auto middle = amounts.begin() + static_cast<std::ptrdiff_t>(amounts.size() / 2);
   std::nth_element(amounts.begin(), middle, amounts.end());
@@ -72,11 +87,12 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
   gradient.fill(UnknownVector::Zero());
   std::array<int, kDotCount> pixels_of_dot{};
   for (const OutlineGroup& group : pixels.groups.span()) pixels_of_dot[group.dot] += group.count;
+  GroupFitter fitter(pixels, landmark, state, Asked::kShape);
   GroupFit fit;
   for (const OutlineGroup& group : pixels.groups.span()) {
     if (visible_share[group.dot] < kMinVisible) continue;
     const int every = std::clamp(pixels_of_dot[group.dot] / kEnoughPixels, 1, kMostThinned);
-    fit_group(pixels, group, landmark, state, Asked::kShape, fit, static_cast<std::size_t>(every));
+    fitter.fit(group, fit, static_cast<std::size_t>(every));
     if (!fit.usable) continue;
     normal[group.dot] += fit.normal / noise_variance_lsb2;
     gradient[group.dot] += fit.gradient / noise_variance_lsb2;
@@ -89,9 +105,9 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
     if (!(N(kAllAround, kAllAround) > 0)) continue;
     N.diagonal().head<kShapeUnknowns>().array() += 1 / (kShapeSigma_px * kShapeSigma_px);
     N.diagonal().tail<kUnknowns - kShapeUnknowns>().array() += 1 / (kBlurSigma_px2 * kBlurSigma_px2);
-    const UnknownMatrix covariance = N.inverse();
-    const UnknownVector part_px = covariance * gradient[dot];
-    const double sigma_px = std::sqrt(covariance.diagonal().head<kShapeUnknowns>().maxCoeff());
+    const Eigen::LLT<UnknownMatrix> factors(N);
+    const UnknownVector part_px = factors.solve(gradient[dot]);
+    const double sigma_px = std::sqrt(largest_variance(factors, kShapeUnknowns));
     if (!(sigma_px < kLeastSure * dot_axes.semi_minor_px)) continue;
     const auto amplitude_px = [&](Part cosine, Part sine) {
       return root_beyond(square(part_px(cosine)) + square(part_px(sine)), kNoiseVariances * square(sigma_px));

@@ -88,8 +88,6 @@ class Elimination {
     return true;
   }
 
-  double operator()(std::size_t i, std::size_t j) const noexcept { return S_[i][j]; }
-
  private:
   template <std::size_t kOwn>
   void take_out() noexcept {
@@ -110,16 +108,13 @@ class Elimination {
 };
 
 /// What is left says how the outline moves, for a contrast of 1: times the contrast it is the normal equations.
-void take_normal(const Elimination& left, GroupFit& fit) noexcept {
-  const double contrast2 = fit.contrast_lsb * fit.contrast_lsb;
-  for (std::size_t i = 0; i < kUnknowns; ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    fit.gradient(row) = left(kGreyColumn, i) * fit.contrast_lsb;
-    for (std::size_t j = 0; j <= i; ++j) {
-      const auto column = static_cast<Eigen::Index>(j);
-      fit.normal(row, column) = fit.normal(column, row) = left(i, j) * contrast2;
-    }
-  }
+void take_normal(const ProductSums& left, GroupFit& fit) noexcept {
+  // A row of the sums' lower triangle is a column of the upper one.
+  using Upper = Eigen::Map<const UnknownMatrix, Eigen::Unaligned, Eigen::OuterStride<kColumns>>;
+  fit.normal = fit.contrast_lsb * fit.contrast_lsb * Upper(left[0].data());
+  for (Eigen::Index i = 1; i < kUnknowns; ++i)
+    for (Eigen::Index j = 0; j < i; ++j) fit.normal(i, j) = fit.normal(j, i);
+  fit.gradient = fit.contrast_lsb * Eigen::Map<const UnknownVector>(left[kGreyColumn].data());
   fit.shift_information = fit.normal(6, 6);
   fit.usable = fit.shift_information > 0;
   fit.shift_px = fit.usable ? fit.gradient(6) / fit.shift_information : 0;
@@ -127,35 +122,35 @@ void take_normal(const Elimination& left, GroupFit& fit) noexcept {
 
 }  // namespace
 
-void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const LandmarkGeometry& landmark,
-               const OutlineState& state, Asked asked, GroupFit& fit, std::size_t every) noexcept {
+void GroupFitter::fit(const OutlineGroup& group, GroupFit& fit, std::size_t every) noexcept {
   fit.usable = false;
   const std::size_t own = group.whole_dot ? 5 : group.at_paper_edge ? 3 : 2;  // paper, ink, beyond, two slopes
   const std::size_t count = (static_cast<std::size_t>(group.count) + every - 1) / every;
   fit.degrees_of_freedom = static_cast<int>(count) - 2 - (group.whole_dot ? 2 : 0) - (group.at_paper_edge ? 1 : 0);
   if (fit.degrees_of_freedom < kLeastFreedom) return;
 
-  const std::size_t first = asked == Asked::kLightOnly ? kGreyColumn : 0, end = kPaperColumn + own;
-  const DotView view(pixels, landmark, state, group.dot);
-  const BlurredDisc disc(pixels, landmark, state, group.dot, asked);
-  ProductSums sums{};
+  if (!dot_ || dot_->dot != group.dot)
+    dot_.emplace(
+        Dot{group.dot, {pixels_, landmark_, state_, group.dot}, {pixels_, landmark_, state_, group.dot, asked_}});
+  const std::size_t first = asked_ == Asked::kLightOnly ? kGreyColumn : 0, end = kPaperColumn + own;
+  ProductSums sums;
+  for (std::size_t i = first; i < end; ++i) sums[i] = {};
   alignas(16) ColumnBatches batches;
   for (std::size_t at = 0; at < count; at += kLanes * kMaxBatches) {
     const std::size_t used = std::min(kLanes * kMaxBatches, count - at);
-    fill_columns(pixels, group, view, disc, {static_cast<std::size_t>(group.first) + at * every, used, every}, asked,
-                 batches);
+    fill_columns(pixels_, group, dot_->view, dot_->disc,
+                 {static_cast<std::size_t>(group.first) + at * every, used, every}, asked_, batches);
     kAddProducts[(used - 1) / kLanes](batches, first, end, sums);
   }
   if (sums[kPaperColumn][kPaperColumn] < kLeastPaper_px2 || sums[kInkColumn][kInkColumn] < kLeastInk_px2) return;
 
-  Elimination left(sums, first, end);
   OwnLight light;
-  if (!left.eliminate_own(light)) return;
-  fit.paper_lsb = light.paper_lsb + static_cast<double>(pixels.luma[static_cast<std::size_t>(group.first)]);
+  if (!Elimination(sums, first, end).eliminate_own(light)) return;
+  fit.paper_lsb = light.paper_lsb + static_cast<double>(pixels_.luma[static_cast<std::size_t>(group.first)]);
   fit.contrast_lsb = light.paper_lsb - light.ink_lsb;
-  fit.squared_residuals = std::max(left(kGreyColumn, kGreyColumn), 0.0);
+  fit.squared_residuals = std::max(sums[kGreyColumn][kGreyColumn], 0.0);
   fit.usable = std::isfinite(fit.squared_residuals);
-  if (asked != Asked::kLightOnly && fit.usable) take_normal(left, fit);
+  if (asked_ != Asked::kLightOnly && fit.usable) take_normal(sums, fit);
 }
 
 }  // namespace ninedot

@@ -4,6 +4,8 @@
 /// Paper, ink, what lies beyond the paper and the slopes are linear and belong to one group: they are eliminated group
 /// by group (Golub & Pereyra, "The differentiation of pseudo-inverses and nonlinear least squares problems whose
 /// variables separate", SIAM J. Numer. Anal. 10, 1973).
+#include <optional>
+
 #include "pose/outline_columns.h"
 
 namespace ninedot {
@@ -24,10 +26,31 @@ struct GroupFit {
   UnknownVector gradient;
 };
 
-/// Evaluates one group at a state.
-/// \param every  1: all of its pixels, 2: every second one, ...
-/// Memory: none. Threads: pure.
-void fit_group(const OutlinePixels& pixels, const OutlineGroup& group, const LandmarkGeometry& landmark,
-               const OutlineState& state, Asked asked, GroupFit& fit, std::size_t every = 1) noexcept;
+/// Evaluates groups at one state. What the groups of a dot share is worked out once, where they come one after another.
+/// Memory: none but itself. Threads: not safe.
+class GroupFitter {
+ public:
+  /// All of them have to outlive it.
+  GroupFitter(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const OutlineState& state,
+              Asked asked) noexcept
+      : pixels_(pixels), landmark_(landmark), state_(state), asked_(asked) {}
+
+  /// \param every  1: all of its pixels, 2: every second one, ...
+  void fit(const OutlineGroup& group, GroupFit& fit, std::size_t every = 1) noexcept;
+
+ private:
+  /// What a dot's groups share.
+  struct Dot {
+    std::size_t dot;
+    DotView view;
+    BlurredDisc disc;
+  };
+
+  const OutlinePixels& pixels_;
+  const LandmarkGeometry& landmark_;
+  const OutlineState& state_;
+  Asked asked_;
+  std::optional<Dot> dot_;
+};
 
 }  // namespace ninedot

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <set>
+#include <utility>
 #include <vector>
 
 namespace ninedot {
@@ -61,6 +63,98 @@ TEST(OutlinePixels, NoneOfADistantDotSeesItsNeighboursInk) {
     }
   EXPECT_GT(nearest_other_px, -0.1) << "a pixel lies nearer to another dot than to its own";
   EXPECT_GT(beyond_own, 50) << "the paper around them is looked at";
+}
+
+/// Grey levels that tell pixels apart.
+std::vector<std::uint8_t> greys_of(const CameraModel& lens) {
+  std::vector<std::uint8_t> grey(static_cast<std::size_t>(lens.width_px) * static_cast<std::size_t>(lens.height_px));
+  for (std::size_t i = 0; i < grey.size(); ++i) grey[i] = static_cast<std::uint8_t>(i * 37 % 251);
+  return grey;
+}
+
+/// How many pixels were collected, each with its own ray and grey level.
+struct Collected {
+  std::size_t all = 0, distinct = 0;
+};
+Collected count_of(const OutlinePixels& pixels, const RayTable& rays, const ImageView& luma) {
+  Collected collected;
+  std::set<std::pair<int, int>> seen;
+  for (const OutlineGroup& group : pixels.groups) {
+    double sum_x_px = 0, sum_y_px = 0;
+    for (std::int32_t n = group.first; n < group.first + group.count; ++n) {
+      const auto i = static_cast<std::size_t>(n);
+      const int x = static_cast<int>(pixels.x_px[i]), y = static_cast<int>(pixels.y_px[i]);
+      seen.insert({x, y});
+      ++collected.all;
+      float ray_x = 0, ray_y = 0;
+      EXPECT_TRUE(rays.ray(x, y, ray_x, ray_y));
+      EXPECT_FLOAT_EQ(pixels.ray_x[i], ray_x);
+      EXPECT_FLOAT_EQ(pixels.ray_y[i], ray_y);
+      EXPECT_EQ(pixels.luma[i], static_cast<float>(luma.at(x, y)));
+      sum_x_px += x, sum_y_px += y;
+    }
+    EXPECT_NEAR(static_cast<double>(group.centre_x_px), sum_x_px / group.count, 1e-3);
+    EXPECT_NEAR(static_cast<double>(group.centre_y_px), sum_y_px / group.count, 1e-3);
+  }
+  collected.distinct = seen.size();
+  return collected;
+}
+
+/// Small dots as a whole, larger ones in sectors, thinned and not.
+TEST(OutlinePixels, EveryPixelOfTheBandIsThereOnce) {
+  constexpr double kBand_px = 3;
+  const CameraModel lens = camera();
+  const LandmarkGeometry landmark;
+  const RayTable rays(lens);
+  const std::vector<std::uint8_t> grey = greys_of(lens);
+  const ImageView luma{grey.data(), lens.width_px, lens.height_px, lens.width_px};
+  for (const double distance_m : {0.6, 1.0, 1.7})
+    for (const int thin : {1, 3}) {
+      const CameraFromLandmark T = sheet_at(distance_m);
+      OutlinePixels pixels(12000);
+      collect_outline_pixels(luma, lens, rays, landmark, T, kBand_px, thin, {}, {}, pixels);
+      std::size_t expected = 0;
+      for (std::size_t dot = 0; dot < kDotCount; ++dot)
+        for (int y = 0; y < lens.height_px; ++y)
+          for (int x = 0; x < lens.width_px; ++x)
+            expected += (x + 2 * y) % thin == 0 && std::abs(to_outline_px(landmark, T, dot, static_cast<float>(x),
+                                                                          static_cast<float>(y))) < kBand_px;
+      const Collected collected = count_of(pixels, rays, luma);
+      EXPECT_EQ(collected.distinct, collected.all);
+      EXPECT_NEAR(static_cast<double>(collected.all), static_cast<double>(expected), 8)
+          << distance_m << " m, every " << thin;
+    }
+}
+
+TEST(OutlinePixels, OfADistortedLensHaveTheRaysOfTheTable) {
+  CameraModel lens = camera();
+  lens.k = {-0.21, 0.07, 0.001, -0.0008, 0.02};
+  const RayTable rays(lens);
+  const std::vector<std::uint8_t> grey = greys_of(lens);
+  const ImageView luma{grey.data(), lens.width_px, lens.height_px, lens.width_px};
+  for (const double distance_m : {0.6, 1.7}) {
+    OutlinePixels pixels(12000);
+    collect_outline_pixels(luma, lens, rays, LandmarkGeometry{}, sheet_at(distance_m), 3, 1, {}, {}, pixels);
+    EXPECT_GT(count_of(pixels, rays, luma).distinct, 1000U) << distance_m;
+  }
+}
+
+/// A fisheye lens sees beyond a right angle, where a plane at z = 1 has no point: what has no ray is left out.
+TEST(OutlinePixels, WithoutARayAreLeftOut) {
+  CameraModel lens;
+  lens.model = DistortionModel::kEquidistant;
+  lens.fx_px = lens.fy_px = 200;
+  const RayTable rays(lens);
+  ASSERT_TRUE(rays.has_gaps());
+  const std::vector<std::uint8_t> grey = greys_of(lens);
+  const ImageView luma{grey.data(), lens.width_px, lens.height_px, lens.width_px};
+  CameraFromLandmark T = sheet_at(0.8);
+  const Eigen::Matrix3d aside = Eigen::AngleAxisd(1.475, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  T.rotation = aside * T.rotation;
+  T.translation_m = aside * T.translation_m;
+  OutlinePixels pixels(12000);
+  collect_outline_pixels(luma, lens, rays, LandmarkGeometry{}, T, 4, 1, {}, {}, pixels);
+  EXPECT_GT(count_of(pixels, rays, luma).distinct, 300U);
 }
 
 }  // namespace

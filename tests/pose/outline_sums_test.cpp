@@ -14,9 +14,11 @@ namespace {
 
 double squares(const OutlinePixels& pixels, const OutlineState& state) {
   double sum = 0;
+  const LandmarkGeometry landmark;
+  GroupFitter fitter(pixels, landmark, state, Asked::kLightOnly);
   GroupFit fit;
   for (const OutlineGroup& group : pixels.groups) {
-    fit_group(pixels, group, LandmarkGeometry{}, state, Asked::kLightOnly, fit);
+    fitter.fit(group, fit);
     sum += fit.squared_residuals;
   }
   return sum;
@@ -49,9 +51,11 @@ TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
 
   UnknownVector gradient = UnknownVector::Zero();
   UnknownMatrix normal = UnknownMatrix::Zero();
+  const LandmarkGeometry landmark;
+  GroupFitter fitter(pixels, landmark, state, Asked::kState);
   GroupFit fit;
   for (const OutlineGroup& group : pixels.groups) {
-    fit_group(pixels, group, LandmarkGeometry{}, state, Asked::kState, fit);
+    fitter.fit(group, fit);
     ASSERT_TRUE(fit.usable);
     gradient += fit.gradient;
     normal += fit.normal;

@@ -1,0 +1,38 @@
+#include "pose/outline_refiner.h"
+
+#include <gtest/gtest.h>
+
+#include "pose/mirror_image.h"
+#include "tests/pose/first_fit.h"
+#include "tests/support/renderer.h"
+
+namespace ninedot {
+namespace {
+
+/// Whoever asks whether it is more than so much is told so, and need not wait for how much it is.
+TEST(OutlineRefiner, SaysThatAnotherPoseIsWorseBeforeItKnowsByHowMuch) {
+  const CameraModel camera;
+  const LandmarkGeometry landmark;
+  const RayTable rays(camera);
+  test::Scene scene;
+  scene.camera = test::look_at_landmark({.distance_m = 1.2, .tilt_rad = 0.4, .azimuth_rad = 0.7});
+  const test::Picture picture = test::render(scene, 1);
+  const auto fit = test::first_fit(picture.view());
+  ASSERT_TRUE(fit);
+  OutlineRefiner refiner(camera, landmark, rays);
+  int pixels = 100'000;
+  ASSERT_TRUE(refiner.refine(picture.view(), fit->outlines, OutlineRefiner::Start::kClose, 0, pixels).has_converged());
+  OutlineState mirrored = refiner.state();
+  mirrored.T_camera_landmark = mirror_image(mirrored.T_camera_landmark, landmark);
+  const double all = refiner.chi2_above(mirrored);
+  ASSERT_GT(all, 5000);
+  for (const double enough : {10.0, 100.0, 1000.0}) {
+    const double some = refiner.chi2_above(mirrored, enough);
+    EXPECT_GT(some, enough);
+    EXPECT_LT(some, 0.9 * all) << "all groups were looked at";
+  }
+  EXPECT_EQ(refiner.chi2_above(mirrored, 2 * all), all);
+}
+
+}  // namespace
+}  // namespace ninedot
