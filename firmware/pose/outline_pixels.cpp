@@ -223,7 +223,7 @@ bool append_rows(const ImageView& luma, const RayTable& rays, const DotBand& dot
                  SectorRanges& ranges) noexcept {
   std::size_t at = out.count;
   const bool fits = for_each_stretch(luma, dot, [&](int y, int first, int last) {
-    const auto count = static_cast<std::size_t>(last - first + 1);
+    const auto count = static_cast<std::size_t>(last - first) + 1;
     if (count > out.luma.size() - at) return false;
     float *const x_px = &out.x_px[at], *const ray_x = &out.ray_x[at], *const ray_y = &out.ray_y[at];
     rays.rays_of_row(first, y, count, ray_x, ray_y);
@@ -254,7 +254,7 @@ bool append_sorted(const ImageView& luma, const RayTable& rays, const DotBand& d
   std::size_t total = 0;
   const std::size_t room = out.luma.size() - out.count;
   const bool fits = for_each_stretch(luma, dot, [&](int y, int first, int last) {
-    if (room - total < static_cast<std::size_t>((last - first) / dot.thin + 1)) return false;
+    if (room - total < static_cast<std::size_t>((last - first) / dot.thin) + 1) return false;
     const float dy = static_cast<float>(y - e.centre_px.y());
     const int begin = first + (dot.thin - (first + 2 * y) % dot.thin) % dot.thin;  // where x + 2 y is a multiple
     for (int x = begin; x <= last; x += kTogether * dot.thin) {
