@@ -53,13 +53,14 @@ CameraFromLandmark mirror_image(const CameraFromLandmark& T, const LandmarkGeome
     const Eigen::Vector2d C = landmark.centre_m(dot);
     (void)points.try_push_back({C, (T * Eigen::Vector3d(C.x(), 0, C.y())).hnormalized()});  // as many as dots
   }
-  // Where the reflection climbs to is what the other one of both solutions is, at a third of the cost; unless, of few
-  // dots, it climbs back.
+  // Where the reflection climbs to is what the other one of both solutions is, at a third of the cost. Of some of the
+  // dots that is not where it climbs to: they are not reflected about their own middle.
   const CameraFromLandmark reflection = reflected(T);
   const double least_rad = kFellBack * angle_between_rad(reflection, T);
   const PlanarPose climbed = refine_planar_pose(points.span(), reflection);
   if (std::isfinite(climbed.rms) && angle_between_rad(climbed.T_camera_landmark, T) >= least_rad)
     return climbed.T_camera_landmark;
+  if (points.size() == kDotCount) return reflection;
   const auto poses = solve_planar_pose(points.span());
   if (!poses) return reflection;
   const CameraFromLandmark &a = (*poses)[0].T_camera_landmark, &b = (*poses)[1].T_camera_landmark;
