@@ -1,8 +1,10 @@
 #!/bin/bash
 # Makes the board image: 64-bit ARM, Debian 13, read-only root, data partition, configuration on a FAT partition. docs/board.md says what is on it.
 #
-#   toolchains/image.sh [--update]     as root; result: build/image/ninedot-arm64.img, ninedot-arm64.spdx.json, which says what it is made of, and
-#                                      vmlinuz and initrd.gz for QEMU's -kernel and -initrd
+#   toolchains/image.sh [--update]     as root; result: build/image/ninedot-arm64.img, ninedot-arm64.spdx.json, which says what it is made of, and for
+#                                      QEMU u-boot.bin (-bios), or vmlinuz and initrd.gz (-kernel and -initrd)
+#
+# Made with one system, A; the place of the other is empty.
 #
 # Debian's part is made once, again when the list of its packages changes, and with --update: from what Debian's archive has now. The same sources
 # give the same bytes (SOURCE_DATE_EPOCH: the last commit's time). NINEDOT_CACHE, NINEDOT_MIRROR, NINEDOT_JOBS: as for toolchains/cross.sh; NINEDOT_SECURITY_MIRROR: roots.sh.
@@ -18,6 +20,7 @@ started=$SECONDS
 disk_signature=39444f54     # the same on all boards: it names the disk that the root is on, and no board has two of them
 data_uuid=9d090000-0000-4000-8000-000000000003
 fat_mib=128 data_mib=64     # data: a few files; the journal takes 4 MiB
+root_mib=256 boot_mib=64    # of each system: twice what they take today. They can't grow later
 out=build/image image=build/image/ninedot-arm64.img
 # Unpacked by nobody: OpenCV's core asks for the graphics stack, of which it calls nothing without a window.
 left_out=(/usr/share/man/ /usr/share/info/ /usr/share/locale/ /usr/share/lintian/ /usr/share/bash-completion/ /usr/share/zsh/
@@ -32,7 +35,7 @@ drivers_left_out=(sound kernel/sound drivers/gpu drivers/infiniband drivers/scsi
   fs/btrfs fs/xfs fs/ocfs2 fs/gfs2 fs/ceph fs/bcachefs drivers/md drivers/isdn drivers/accel)
 
 require_root
-for tool in mmdebstrap python3 mksquashfs mcopy mkfs.vfat mke2fs sfdisk cpio depmod xz dtc; do
+for tool in mmdebstrap python3 mksquashfs mcopy mkfs.vfat mke2fs sfdisk cpio depmod xz dtc mkimage mkenvimage; do
   command -v "$tool" > /dev/null || roots_fail "needs $tool: ./dev packages cross image"
 done
 require_emulation arm64
@@ -47,7 +50,7 @@ image_version=$(sed -n 's/^project(ninedot VERSION \([0-9.]*\).*/\1/p' CMakeList
 download_kernel='
 cd /board
 kernel=$(apt-cache depends linux-image-rt-arm64 | sed -n "s/.*Depends: \(linux-image-[0-9].*\)/\1/p" | head -n 1)
-apt-get download busybox-static raspi-firmware "$kernel"
+apt-get download busybox-static raspi-firmware u-boot-rpi u-boot-qemu "$kernel"
 version=$(dpkg-deb -f "$kernel"_*.deb Version) abi=${kernel#linux-image-}
 source=linux-source-$(echo "$abi" | cut -d . -f 1,2)
 apt-get download "linux-headers-$abi=$version" "linux-headers-${abi%-rt-arm64}-common-rt=$version" "linux-kbuild-${abi%-rt-arm64}=$version" "$source=$version"'
@@ -136,41 +139,77 @@ make_initrd() {
   (cd "$tree" && find . | LC_ALL=C sort | cpio --quiet --reproducible -o -H newc) | gzip -9n > "$out/initrd.gz"
 }
 
-# make_fat ROOT FOLDER: the configuration, the kernel, and what a Raspberry Pi loads before it.
+# make_fat IMAGE MIB LABEL SERIAL-NUMBER FOLDER: a FAT with what the folder holds, the same bytes from the same files.
 make_fat() {
+  local image=$1 type=(-F 32)
+  [[ $2 -ge 128 ]] || type=()
+  find "$5" -exec touch -d "@$SOURCE_DATE_EPOCH" {} +
+  rm -f "$image"
+  truncate -s "$2M" "$image"
+  mkfs.vfat "${type[@]}" -n "$3" -i "$4" --invariant "$image" > /dev/null
+  (cd "$5" && find . -mindepth 1 -type d -printf '%P\n' | LC_ALL=C sort | TZ=UTC xargs -r -I {} mmd -i "$image" ::{})
+  (cd "$5" && find . -type f -printf '%P\n' | LC_ALL=C sort | TZ=UTC xargs -I {} mcopy -m -i "$image" {} ::{})
+}
+
+# make_boot FOLDER: what the boot loader needs of a system, beside its root.
+make_boot() {
+  mkdir -p "$1/boot"
+  cp "$out/vmlinuz" "$out/initrd.gz" "$1/boot/"
+  make_fat "$1/boot.img" "$boot_mib" BOOT "$disk_signature" "$1/boot"
+}
+
+# make_config ROOT FOLDER: the configuration, the boot loader, and what a Raspberry Pi loads before it.
+make_config() {
   local root=$1 tree=$2/fat
   mkdir -p "$tree"
   sed 's/$/\r/' systemd/image/README.txt > "$tree/README.TXT"
-  cp "$root/etc/ninedot/ninedot.toml" systemd/image/config.txt "$out/vmlinuz" "$out/initrd.gz" "$tree/"
-  echo "root=PARTUUID=$disk_signature-02 ro quiet panic=10 systemd.gpt_auto=0 console=tty1" > "$tree/cmdline.txt"
+  cp "$root/etc/ninedot/ninedot.toml" systemd/image/config.txt "$tree/"
+  echo "ro quiet panic=10 systemd.gpt_auto=0 console=tty1" > "$tree/cmdline.txt"
+  unpack "$root"/board/u-boot-rpi_*.deb "$2/u-boot-rpi"
+  cp "$2/u-boot-rpi/usr/lib/u-boot/rpi_arm64/u-boot.bin" "$tree/"
+  cp "$2/u-boot-rpi/usr/share/doc/u-boot-rpi/copyright" "$tree/LICENCE.u-boot"
+  sed '/^ *#/d' systemd/image/boot.cmd > "$2/boot.txt"
+  mkimage -A arm64 -T script -n ninedot -d "$2/boot.txt" "$tree/boot.scr" > /dev/null
+  # Debian's U-Boot for these boards looks here for its own variables; 0x4000 bytes is what it was built for.
+  sed '/^#/d' systemd/image/u-boot-rpi.txt | mkenvimage -p 0 -s 0x4000 -o "$tree/uboot.env" -
   unpack "$root"/board/raspi-firmware_*.deb "$2/firmware"
   cp "$2"/firmware/usr/lib/raspi-firmware/{bootcode.bin,start*.elf,fixup*.dat} "$tree/"
   cp "$2/firmware/usr/share/doc/raspi-firmware/copyright" "$tree/LICENCE.raspi-firmware"
   cp "$root"/usr/lib/linux-image-*/broadcom/bcm2{711,712,837}-rpi-*.dtb "$tree/"
   toolchains/overlays.sh "$tree/overlays"
-  find "$tree" -exec touch -d "@$SOURCE_DATE_EPOCH" {} +
-  truncate -s "${fat_mib}M" "$2/fat.img"
-  mkfs.vfat -F 32 -n NINEDOT -i "$disk_signature" --invariant "$2/fat.img" > /dev/null
-  (cd "$tree" && find . -mindepth 1 -type d -printf '%P\n' | LC_ALL=C sort | TZ=UTC xargs -I {} mmd -i "$2/fat.img" ::{})
-  (cd "$tree" && find . -type f -printf '%P\n' | LC_ALL=C sort | TZ=UTC xargs -I {} mcopy -m -i "$2/fat.img" {} ::{})
+  make_fat "$2/fat.img" "$fat_mib" NINEDOT "$disk_signature" "$tree"
 }
 
-# make_disk FOLDER: three partitions in one file.
+# make_disk FOLDER: all partitions in one file. Those of system B are logical ones: a table has four places, and the first three are as they always were.
 make_disk() {
-  local root_mib
+  local first=4 table='' number at=()
   truncate -s "${data_mib}M" "$1/data.img"
   E2FSPROGS_FAKE_TIME=$SOURCE_DATE_EPOCH mke2fs -q -t ext4 -L ninedot-data -U "$data_uuid" -J size=4 -m 1 \
     -E "hash_seed=$data_uuid,lazy_itable_init=0,lazy_journal_init=0,root_owner=0:0" "$1/data.img"
-  root_mib=$(($(stat -c %s "$1/root.squashfs") / 1048576 + 1))
+  [[ $(stat -c %s "$1/root.squashfs") -le $((root_mib * 1048576)) ]] || { echo "the root has more than $root_mib MiB"; return 1; }
+  # next MIB TYPE: one more line of the table, and where it begins in at[].
+  next() { at+=("$first"); table+="start=${first}MiB, size=$1MiB, type=$2"$'\n' first=$((first + $1)); }
+  next "$fat_mib" "c, bootable"
+  next "$root_mib" 83
+  next "$data_mib" 83
+  table+="start=${first}MiB, size=$((3 + root_mib + 2 * boot_mib))MiB, type=5"$'\n'
+  at+=("$first")
+  for number in "$root_mib" "$boot_mib" "$boot_mib"; do  # each behind a table of its own
+    first=$((first + 1))
+    next "$number" 83
+  done
   rm -f "$image"
-  truncate -s "$((4 + fat_mib + root_mib + data_mib))M" "$image"
-  printf 'label: dos\nlabel-id: 0x%s\n%s\n' "$disk_signature" "start=4MiB, size=${fat_mib}MiB, type=c, bootable
-start=$((4 + fat_mib))MiB, size=${root_mib}MiB, type=83
-start=$((4 + fat_mib + root_mib))MiB, size=${data_mib}MiB, type=83" | sfdisk -q "$image"
+  truncate -s "${first}M" "$image"
+  printf 'label: dos\nlabel-id: 0x%s\n%s' "$disk_signature" "$table" | sfdisk -q "$image"
   place() { dd if="$1" of="$image" bs=1M seek="$2" conv=notrunc,sparse status=none; }
-  place "$1/fat.img" 4
-  place "$1/root.squashfs" $((4 + fat_mib))
-  place "$1/data.img" $((4 + fat_mib + root_mib))
+  place "$1/fat.img" "${at[0]}"
+  place "$1/root.squashfs" "${at[1]}"
+  place "$1/data.img" "${at[2]}"
+  place "$1/boot.img" "${at[5]}"
+  # Which system starts: both copies of what boot.cmd reads and writes. B is empty.
+  printf 'BOOT_ORDER=A B\nBOOT_A_LEFT=9\nBOOT_B_LEFT=0\n' | mkenvimage -r -p 0 -s 0x4000 -o "$1/state" -
+  place "$1/state" 1
+  place "$1/state" 2
 }
 
 NINEDOT_JOBS=${NINEDOT_JOBS:-$(nproc)} toolchains/cross.sh arm64
@@ -189,9 +228,12 @@ log=$out/image.log
 fill_root "$work/root" > "$log" 2>&1
 install -m 644 "$work"/root/boot/vmlinuz-* "$out/vmlinuz"
 make_initrd "$work/root" "$work" >> "$log" 2>&1
-make_fat "$work/root" "$work" >> "$log" 2>&1
+unpack "$work"/root/board/u-boot-qemu_*.deb "$work/u-boot-qemu" ./usr/lib/u-boot/qemu_arm64/u-boot.bin >> "$log" 2>&1
+install -m 644 "$work/u-boot-qemu/usr/lib/u-boot/qemu_arm64/u-boot.bin" "$out/u-boot.bin"
+make_boot "$work" >> "$log" 2>&1
+make_config "$work/root" "$work" >> "$log" 2>&1
 toolchains/sbom.py "$work/root" --name ninedot-arm64 --version "$image_version" --out "$out/ninedot-arm64.spdx.json" \
-  --unpacked "$work"/root/board/{linux-image-[0-9]*,busybox-static_*,raspi-firmware_*}.deb >> "$log" 2>&1
+  --unpacked "$work"/root/board/{linux-image-[0-9]*,busybox-static_*,raspi-firmware_*,u-boot-rpi_*}.deb >> "$log" 2>&1
 install -D -m 644 "$out/ninedot-arm64.spdx.json" "$work/root/usr/share/ninedot/sbom.spdx.json"
 rm -rf "$work"/root/board "$work"/root/boot/* "$work"/root/usr/lib/linux-image-*
 env -u SOURCE_DATE_EPOCH mksquashfs "$work/root" "$work/root.squashfs" -comp zstd -Xcompression-level 19 -noappend -no-progress -quiet \

@@ -7,11 +7,33 @@ import socket
 import struct
 import subprocess
 import time
+import zlib
 
-COMMAND_LINE = ("root=PARTUUID=39444f54-02 ro panic=10 systemd.gpt_auto=0 console=ttyAMA0 quiet loglevel=3 systemd.show_status=0 "
-                "mitigations=off audit=0 systemd.getty_auto=0 systemd.debug_shell=hvc0")
-MACHINE = ["-M", "virt", "-cpu", "cortex-a53", "-smp", "2", "-m", "1G"]
+# Without the root: that is the boot loader's to say. With KASLR the kernel keeps its page tables apart, in spite of mitigations=off, which costs an
+# emulated processor a flush at each system call.
+ARGUMENTS = ("ro panic=10 systemd.gpt_auto=0 console=ttyAMA0 quiet loglevel=3 systemd.show_status=0 "
+             "mitigations=off nokaslr audit=0 systemd.getty_auto=0 systemd.debug_shell=hvc0")
+COMMAND_LINE = "root=PARTUUID=39444f54-02 " + ARGUMENTS
+# With ACPI, QEMU leaves the GPIO chip out when there is a boot loader, whose device tree (below) has it.
+MACHINE = ["-M", "virt,acpi=off", "-cpu", "cortex-a53", "-smp", "2", "-m", "1G"]
 BOARD_SERIAL = "10000000a1b2c3d4"  # as long as a Raspberry Pi's
+
+
+def partition(path, number):
+    """Returns where a partition of a disk image begins and how long it is, in bytes; from 5 on, it is one of those behind one another in the fourth"""
+    def entry(table, place):
+        image.seek(table * 512)
+        return struct.unpack_from("<II", image.read(512), 446 + 16 * place + 8)
+
+    with open(path, "rb") as image:
+        first, count = entry(0, min(number, 4) - 1)
+        table = container = first
+        for place in range(5, number + 1):
+            first, count = entry(table, 0)
+            first += table
+            if place < number:
+                table = container + entry(table, 1)[0]
+    return first * 512, count * 512
 
 
 class Failure(Exception):
@@ -25,30 +47,41 @@ def free_port():
 
 
 class Board:
-    """One machine; its disk image keeps what was written from one power-on to the next."""
+    """One machine; its disk image keeps what was written from one power-on to the next.
 
-    def __init__(self, work, kernel, initrd):
-        self.work, self.kernel, self.initrd = work, kernel, initrd
+    With a loader (U-Boot) it starts as a board does, and starts again when its system asks for it; without one QEMU loads the kernel of the first system.
+    """
+
+    def __init__(self, work, kernel=None, initrd=None, loader=None, stick=None):
+        self.work, self.kernel, self.initrd, self.loader, self.stick = work, kernel, initrd, loader, stick
         self.qemu = self.console = None
         self.heard = b""
         self.port, self.ssh_port, self.page_port = free_port(), free_port(), free_port()
         self.asked = 0
 
-    def device_tree(self):
-        """Returns the machine's own tree with a serial number, as a board's firmware puts one there"""
-        path = f"{self.work}/board.dtb"
+    def device_tree(self, arguments=""):
+        """Returns the machine's own tree with a serial number, and the kernel's arguments if there are any, as a board's firmware puts them there"""
+        path = f"{self.work}/board{'-' if arguments else ''}{zlib.crc32(arguments.encode()):x}.dtb"
         if not os.path.exists(path):
-            subprocess.run(["qemu-system-aarch64", *MACHINE[:1], f"{MACHINE[1]},dumpdtb={path}.new", *MACHINE[2:], "-display", "none"],
+            subprocess.run(["qemu-system-aarch64", *MACHINE[:1], f"{MACHINE[1]},dumpdtb={path}.new", *MACHINE[2:], "-nic", "none", "-display", "none"],
                            stdin=subprocess.DEVNULL, capture_output=True, check=True)
             subprocess.run(["fdtput", "-t", "s", f"{path}.new", "/", "serial-number", BOARD_SERIAL], check=True)
+            if arguments:
+                subprocess.run(["fdtput", "-t", "s", f"{path}.new", "/chosen", "bootargs", arguments], check=True)
             os.rename(f"{path}.new", path)
         return path
 
-    def power_on(self):
+    def power_on(self, more_arguments=""):
+        """With a loader: `more_arguments` for the kernel."""
         path = f"{self.work}/console.sock"
+        if self.loader:
+            start = ["-bios", self.loader, "-dtb", self.device_tree(f"{ARGUMENTS} {more_arguments}".strip())]
+        else:
+            start = ["-dtb", self.device_tree(), "-kernel", self.kernel, "-initrd", self.initrd, "-append", COMMAND_LINE, "-no-reboot"]
+        if self.stick:
+            start += ["-drive", f"file={self.stick},format=raw,if=none,id=d1,readonly=on", "-device", "virtio-blk-pci,drive=d1"]
         self.qemu = subprocess.Popen(
-            ["qemu-system-aarch64", *MACHINE, "-dtb", self.device_tree(), "-accel", "tcg,thread=multi",
-             "-kernel", self.kernel, "-initrd", self.initrd, "-append", COMMAND_LINE,
+            ["qemu-system-aarch64", *MACHINE, "-accel", "tcg,thread=multi",
              "-drive", f"file={self.work}/board.img,format=raw,if=none,id=d0", "-device", "virtio-blk-pci,drive=d0",
              "-netdev", f"user,id=n0,hostfwd=tcp:127.0.0.1:{self.port}-:1502,hostfwd=tcp:127.0.0.1:{self.ssh_port}-:22,"
              f"hostfwd=tcp:127.0.0.1:{self.page_port}-:8090",
@@ -56,7 +89,7 @@ class Board:
              "-chardev", f"socket,id=c0,path={path},server=on,wait=off,logfile={self.work}/shell.log,logappend=on",
              "-device", "virtio-serial-pci", "-device", "virtconsole,chardev=c0",
              "-chardev", f"file,id=c1,path={self.work}/console.log,append=on", "-serial", "chardev:c1",
-             "-display", "none", "-monitor", "none", "-no-reboot"],
+             "-display", "none", "-monitor", "none", *start],
             stdin=subprocess.DEVNULL)
         for _ in range(100):
             try:
@@ -80,9 +113,7 @@ class Board:
 
     def partition(self, number):
         """Returns where a partition of the disk image begins and how long it is, in bytes"""
-        with open(f"{self.work}/board.img", "rb") as image:
-            first, count = struct.unpack_from("<II", image.read(512), 446 + 16 * (number - 1) + 8)
-        return first * 512, count * 512
+        return partition(f"{self.work}/board.img", number)
 
     def overwrite(self, number, length):
         """The first bytes of a partition become 0xFF, as in flash that was erased."""
