@@ -4,7 +4,7 @@
 #   toolchains/image.sh [--update]     as root; result: build/image/ninedot-arm64.img, ninedot-arm64.spdx.json, which says what it is made of, and for
 #                                      QEMU u-boot.bin (-bios), or vmlinuz and initrd.gz (-kernel and -initrd)
 #
-# Made with one system, A; the place of the other is empty.
+# Made with one system, A; the place of the other is empty until the first update: toolchains/bundle.sh.
 #
 # Debian's part is made once, again when the list of its packages changes, and with --update: from what Debian's archive has now. The same sources
 # give the same bytes (SOURCE_DATE_EPOCH: the last commit's time). NINEDOT_CACHE, NINEDOT_MIRROR, NINEDOT_JOBS: as for toolchains/cross.sh; NINEDOT_SECURITY_MIRROR: roots.sh.
@@ -32,7 +32,8 @@ firmware_kept=(brcm/brcmfmac43430-sdio.{bin,clm_blob,raspberrypi*} brcm/brcmfmac
 drivers_left_out=(sound kernel/sound drivers/gpu drivers/infiniband drivers/scsi/lpfc drivers/scsi/qla2xxx drivers/scsi/mpt3sas
   drivers/net/ethernet/mellanox drivers/net/ethernet/intel drivers/net/ethernet/broadcom/bnxt drivers/net/ethernet/broadcom/bnx2x
   drivers/net/wireless/{admtek,ath,atmel,broadcom/b43,broadcom/b43legacy,broadcom/brcm80211/brcmsmac,intel,intersil,marvell,mediatek,ralink,realtek,rsi,ti,zydas}
-  fs/btrfs fs/xfs fs/ocfs2 fs/gfs2 fs/ceph fs/bcachefs drivers/md drivers/isdn drivers/accel)
+  fs/btrfs fs/xfs fs/ocfs2 fs/gfs2 fs/ceph fs/bcachefs drivers/md/{bcache,dm-vdo,persistent-data,raid*,md-*,dm-cache*,dm-raid*,dm-thin*,dm-era*,dm-clone*}
+  drivers/isdn drivers/accel)
 
 require_root
 for tool in mmdebstrap python3 mksquashfs mcopy mkfs.vfat mke2fs sfdisk cpio depmod xz dtc mkimage mkenvimage; do
@@ -104,7 +105,8 @@ fill_root() {
   in_root "$root" "$(dirname "$deb")" dpkg -i "$(basename "$deb")" "$(basename "$web_deb")"
   cp -r systemd/image/root/. "$root/"
   # The page and ssh wait for a file of the FAT partition: conditions of their units.
-  in_root "$root" "$PWD" systemctl enable ninedot-configure.service systemd-networkd.service systemd-timesyncd.service ssh.service ninedot-web.service
+  in_root "$root" "$PWD" systemctl enable ninedot-configure.service systemd-networkd.service systemd-timesyncd.service ssh.service ninedot-web.service \
+    ninedot-confirm.service
   # Work for a system that updates itself, and logins that nobody has a password for.
   in_root "$root" "$PWD" systemctl mask apt-daily.timer apt-daily-upgrade.timer dpkg-db-backup.timer e2scrub_all.timer e2scrub_reap.service \
     fstrim.timer getty-static.service wpa_supplicant.service
