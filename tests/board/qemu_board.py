@@ -61,7 +61,7 @@ class Board:
 
     def device_tree(self, arguments=""):
         """Returns the machine's own tree with a serial number, and the kernel's arguments if there are any, as a board's firmware puts them there"""
-        path = f"{self.work}/board{'-' if arguments else ''}{zlib.crc32(arguments.encode()):x}.dtb"
+        path = f"{self.work}/board-{zlib.crc32(arguments.encode()):x}.dtb"
         if not os.path.exists(path):
             subprocess.run(["qemu-system-aarch64", *MACHINE[:1], f"{MACHINE[1]},dumpdtb={path}.new", *MACHINE[2:], "-nic", "none", "-display", "none"],
                            stdin=subprocess.DEVNULL, capture_output=True, check=True)
