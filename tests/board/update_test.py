@@ -121,7 +121,7 @@ class UpdateTest:
             self.power_on()
             self.wait_for_system("A")
         if shares:
-            note(f"{self.cuts} power cuts while the other system was being written ({', '.join(f'{share:.0%}' for share in shares)})", "A starts each time")
+            note(f"power cuts while the other system was being written (at {', '.join(f'{share:.0%}' for share in shares)})", "A starts each time")
 
     def wait_until_written(self, place, limit_s=600):
         """Until what stood at a place of the disk is written over."""
@@ -187,7 +187,7 @@ class UpdateTest:
             self.power_on()
             self.wait_for_system("B", "test-good")
         if self.cuts:
-            note(f"{self.cuts} power cuts while the boot loader's variables were being written, the newest copy torn each time", "B starts, by the other copy")
+            note(f"power cuts while the boot loader's variables were being written, the newest copy torn ({self.cuts})", "B starts, by the other copy")
 
     def check_never_works(self):
         """A bundle whose service never starts: left by itself, for the system before."""
