@@ -241,5 +241,5 @@ def check_wifi(board):
         require(board.try_run(f"test -s '/usr/lib/firmware/brcm/{name}'")[0] == 0, f"no firmware {name}")
     status, said = board.try_run("modprobe brcmfmac")
     require(status == 0, f"brcmfmac: {said}")
-    board.run("systemctl stop access-point; rmmod mac80211_hwsim; rm /run/systemd/network/05-ap.network")
+    board.run("systemctl stop access-point; rmmod mac80211_hwsim; rm /run/systemd/network/05-ap.network", limit_s=180)
     note("Wi-Fi, simulated radios", "joined the network of `wifi` (WPA2), address by DHCP; the driver for a Raspberry Pi's radio loads, its firmware is there")
