@@ -37,9 +37,9 @@ constexpr int kMostThinned = 3;  // every third: half the precision at most
 // fit whatever is there.
 constexpr int kLeastThinned = 2500;
 constexpr int kRoughThinning = 3;  // of the pixels, while the pose is off by tenths of a pixel
-// A stage that is not the last may look at every second or third pixel, where so many are left that what it is off by
-// for that is less than what it is off by for its start.
-constexpr std::size_t kMostEarlyThinned = 2, kLeastEarly = 600;
+// A stage that is not the last may look at every second pixel, where so many are left that what it is off by for that
+// is less than what it is off by for its start.
+constexpr int kEarlyThinning = 2, kLeastEarly = 600;
 constexpr double kRoughBand_px = 3.5;  // a rough start is good to two pixels, and half of the blur's reach on top
 // Pixels up to this many sigmas of the blur from an outline: beyond, their grey levels hardly depend on its place.
 // Measured over the accuracy page's conditions (`accuracy --out`): 36 of 45 rows came nearer to the bound than
@@ -119,8 +119,9 @@ bool OutlineRefiner::look_again_if_stale(int stage) noexcept {
 
 bool OutlineRefiner::linearise(int stage) noexcept {
   if (pixels_left_ <= 0 || !look_again_if_stale(stage)) return false;
-  const bool is_early = stage == kCloseStage && quality_ != Start::kExpected;
-  const std::size_t every = is_early ? std::clamp<std::size_t>(pixels_.count / kLeastEarly, 1, kMostEarlyThinned) : 1;
+  const bool is_early = stage == kCloseStage && quality_ != Start::kExpected &&
+                        pixels_.count >= std::size_t{kEarlyThinning} * kLeastEarly;
+  const std::size_t every = is_early ? kEarlyThinning : 1;
   pixels_left_ -= static_cast<int>(pixels_.count / every);
   linearised_at_ = state_;
   const auto groups = pixels_.groups.span();
