@@ -59,6 +59,7 @@ struct OutlineShape {
   double centre_size = 0;   ///< P9 larger or smaller than the ring's dots against the landmark's [1]
   int absent = 0;           ///< dots that are not there, though nothing hides them [1]
   int hollow = 0;           ///< dots that are no ink in their middle [1]
+  int spots = 0;            ///< of ink on the blank paper between P9 and a whole ring [1]
 };
 
 /// One reading of a picture.

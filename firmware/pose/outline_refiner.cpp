@@ -300,6 +300,7 @@ OutlineShape OutlineRefiner::shape() const noexcept {
   OutlineShape shape = shape_of_outlines(pixels_, landmark_, state_, visible, weights_.noise_variance_lsb2, dot);
   const CameraFromLandmark seen = as_exposed(state_.T_camera_landmark, state_.motion, camera_);
   shape.absent = count_absent(luma_, camera_, landmark_, seen, visible, weights_.fit);
+  shape.spots = count_spots(luma_, camera_, landmark_, seen, visible, weights_.fit);
   const double blur_px = std::sqrt(std::max(state_.blur_px2, 0.0));
   shape.hollow = count_hollow(luma_, camera_, landmark_, seen, visible, weights_.fit, blur_px);
   return shape;

@@ -29,10 +29,21 @@ constexpr int kEnoughPixels = 60, kMostThinned = 4;
 constexpr int kDirections = 16, kLeastBare = 4, kLeastInked = 2;
 constexpr double kInside = 0.7;
 constexpr std::array<double, 6> kBeside{1.3, 1.6, 2.0, 2.4, 2.8, 3.2};  // the next dot begins at 3.8
+// P9 that is printed aside leaves paper in its place and ink on the opposite side of it, in radii of its own and in so
+// many directions; what hides it has both on the side that it comes from.
+constexpr double kInsideCentre = 0.8, kBesideCentre = 1.2;
+constexpr int kLeastAside = 2;
 // A dot may be hidden by something that is as white as paper; so many, each of them white all over, are not there.
 constexpr int kLeastBlank = 3;
 constexpr double kThere = 0.75;              // of its outline: a dot that is where it belongs
 constexpr double kPaper = 0.15, kInk = 0.5;  // how much darker than paper, of the contrast
+
+// Between P9 and the ring, in shares of the ring's radius: circles that are looked along, in so many directions, and
+// the two beside them on which a spot's directions are paper. P9 ends at 0.32, the ring's dots begin at 0.84.
+constexpr std::array<double, 4> kBetween{0.46, 0.54, 0.62, 0.70};
+constexpr double kBetweenInner = 0.40, kBetweenOuter = 0.77;
+constexpr int kAround = 32;
+constexpr double kSpot = 0.75;  // shadows are not as dark, in contrasts
 
 constexpr double kNoEdge = 3;  // sigmas of the blur from an outline: beyond, ink is ink
 // Of its outline: an edge across a dot's middle leaves half, and what hides the rest may be dark by chance.
@@ -87,10 +98,14 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
   gradient.fill(UnknownVector::Zero());
   std::array<int, kDotCount> pixels_of_dot{};
   for (const OutlineGroup& group : pixels.groups.span()) pixels_of_dot[group.dot] += group.count;
+  // What hides a part of a dot gives it another shape: only where there are too few whole ones do such dots count. P9
+  // does, whose own outline says whether it lies aside.
+  const auto whole = std::ranges::count_if(visible_share, [](double share) { return share >= kMostly; });
+  const double least_of_ring = whole >= kLeastDots ? kMostly : kMinVisible;
   GroupFitter fitter(pixels, landmark, state, Asked::kShape);
   GroupFit fit;
   for (const OutlineGroup& group : pixels.groups.span()) {
-    if (visible_share[group.dot] < kMinVisible) continue;
+    if (visible_share[group.dot] < (group.dot == kCentreDot ? kMinVisible : least_of_ring)) continue;
     const int every = std::clamp(pixels_of_dot[group.dot] / kEnoughPixels, 1, kMostThinned);
     fitter.fit(group, fit, static_cast<std::size_t>(every));
     if (!fit.usable) continue;
@@ -158,6 +173,18 @@ struct SheetLight {
   const OutlineFit& fit;
 };
 
+bool is_centre_aside(const SheetLight& light, const LandmarkGeometry& landmark) noexcept {
+  int aside = 0;
+  for (int i = 0; i < kDirections; ++i) {
+    const double a_rad = i * 2 * std::numbers::pi / kDirections;
+    const Eigen::Vector2d radius = landmark.radius_m(kCentreDot) * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad));
+    const auto inside = light.darkness_at(landmark.centre_m(kCentreDot) + kInsideCentre * radius);
+    const auto opposite = light.darkness_at(landmark.centre_m(kCentreDot) - kBesideCentre * radius);
+    aside += inside && std::abs(*inside) < kPaper && opposite > kInk;
+  }
+  return aside >= kLeastAside;
+}
+
 }  // namespace
 
 int count_hollow(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
@@ -174,6 +201,36 @@ int count_hollow(const ImageView& luma, const CameraModel& camera, const Landmar
     hollow += middle && *middle < kInk;
   }
   return hollow;
+}
+
+int count_spots(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
+                const CameraFromLandmark& T_camera_landmark, const std::array<double, kDotCount>& visible_share,
+                const OutlineFit& fit) noexcept {
+  if (!std::ranges::all_of(visible_share, [](double share) { return share >= kMostly; })) return 0;
+  const SheetLight light{luma, camera, T_camera_landmark, fit};
+  enum class Seen { kPaper, kInk, kOther };
+  const auto seen_towards = [&](int direction) {
+    const double a_rad = direction * 2 * std::numbers::pi / kAround;
+    const auto at = [&](double share) {
+      return light.darkness_at(share * landmark.ring_radius_m * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad)));
+    };
+    const auto is_paper = [](const std::optional<double>& darkness) {
+      return darkness && std::abs(*darkness) < kPaper;
+    };
+    if (!is_paper(at(kBetweenInner)) || !is_paper(at(kBetweenOuter))) return Seen::kOther;
+    if (std::ranges::any_of(kBetween, [&](double share) { return at(share) > kSpot; })) return Seen::kInk;
+    return std::ranges::all_of(kBetween, [&](double share) { return is_paper(at(share)); }) ? Seen::kPaper
+                                                                                            : Seen::kOther;
+  };
+  // A spot counts where paper follows on ink; directions between, on its blurred edge, change nothing.
+  int spots = 0;
+  bool on_ink = false;
+  for (int direction = 0; direction <= kAround; ++direction) {
+    const Seen seen = seen_towards(direction % kAround);
+    spots += on_ink && seen == Seen::kPaper;
+    if (seen != Seen::kOther) on_ink = seen == Seen::kInk;
+  }
+  return spots;
 }
 
 int count_absent(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
@@ -201,6 +258,7 @@ int count_absent(const ImageView& luma, const CameraModel& camera, const Landmar
     if (row_is_short && bare >= kLeastBare && inked >= kLeastInked) ++absent;
     blank += visible_share[dot] < kMinVisible && bare == kDirections && middle && std::abs(*middle) < kPaper;
   }
+  if (is_centre_aside(light, landmark)) ++absent;
   return absent + (blank >= kLeastBlank ? blank : 0);
 }
 

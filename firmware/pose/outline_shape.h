@@ -25,14 +25,15 @@ struct DotAxes {
 /// \param visible_share  of each dot's outline, 0..1: the others have no shape
 /// \param noise_variance_lsb2  of one pixel [LSB^2]
 /// \param dot  of the ring
-/// \return  `absent` and `hollow` are left 0
+/// \return  `absent`, `hollow` and `spots` are left 0
 /// Memory: none. Threads: pure.
 OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const OutlineState& state,
                                const std::array<double, kDotCount>& visible_share, double noise_variance_lsb2,
                                const DotAxes& dot) noexcept;
 
 /// Dots of the ring that nothing hides: printed elsewhere, one or two in a row, each with paper in a part of its place
-/// and ink beside it; or three and more with nothing but paper in their places.
+/// and ink beside it; or three and more with nothing but paper in their places. And P9, seen or not, with paper on one
+/// side of its place and ink beyond the other.
 /// \param visible_share  of each dot's outline, 0..1 \param fit  of the outlines that are there
 /// Memory: none. Threads: pure.
 int count_absent(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
@@ -44,5 +45,12 @@ int count_absent(const ImageView& luma, const CameraModel& camera, const Landmar
 int count_hollow(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
                  const CameraFromLandmark& T_camera_landmark, const std::array<double, kDotCount>& visible_share,
                  const OutlineFit& fit, double blur_px) noexcept;
+
+/// Spots of ink with paper all around between P9 and the ring, where the sheet is blank; 0 where a dot is not whole,
+/// for what hides it may be spotted. A cable that lies across is one at most, and a shadow none. Memory: none. Threads:
+/// pure.
+int count_spots(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
+                const CameraFromLandmark& T_camera_landmark, const std::array<double, kDotCount>& visible_share,
+                const OutlineFit& fit) noexcept;
 
 }  // namespace ninedot

@@ -51,6 +51,7 @@ constexpr double kMostInwards = 1.2, kMostOutwards = 0.15, kMostOffset_px = 0.1,
 constexpr double kMostSize = 0.05, kMostSecond = 0.12, kMostFourth = 0.04, kMostAside = 0.2;
 // P9's size against the ring's dots': 0.024 at most where nothing moved; of a middle that is larger by half 0.3.
 constexpr double kMostCentreSize = 0.1;
+constexpr int kLeastSpots = 3;          // on blank paper: two may be dirt
 constexpr double kColouredSize = 0.04;  // beside kMostSize
 // Motion by 2 to 10 px leaves up to 0.29 (second) and 0.31 (P9's size) of dots of 3 to 4 px (120 rendered pictures):
 // less than so much beside the limits above, in shares of the blur's second harmonic; of P9's size only as far as the
@@ -105,7 +106,7 @@ bool are_discs(const PoseCandidate& candidate, bool is_coloured) noexcept {
   const bool centre_is_other =
       !is_coloured && shape.centre_size > kMostCentreSize + kCentrePerBlur * std::min(along, wider);
   return shape.size <= most_size && shape.second <= kMostSecond + kPerAlong * along && shape.fourth <= most_fourth &&
-         shape.absent == 0 && shape.hollow == 0 &&
+         shape.absent == 0 && shape.hollow == 0 && shape.spots < kLeastSpots &&
          !(has_whole_ring(candidate) && (shape.centre > kMostAside || centre_is_other));
 }
 

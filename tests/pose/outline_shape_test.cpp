@@ -107,6 +107,18 @@ std::optional<Looked> with_other_middle(double aside_radii, double larger_radii)
   return look_at(sheet, {.distance_m = 5, .tilt_rad = 0.4, .azimuth_rad = 0.7});
 }
 
+TEST(OutlineShape, IsThatOfTheWholeDotsWhereThereAreEnough) {
+  test::Sheet cut = test::nine_dot_sheet();
+  for (std::size_t dot = 0; dot < 5; ++dot) {
+    const test::Disc disc = cut.discs[dot];
+    cut.discs.push_back({disc.x_m + 0.6 * kDot_m, disc.z_m, kDot_m, 0.3});
+  }
+  const auto looked = look_at(cut, kUsual);
+  ASSERT_TRUE(looked) << "or this picture tests nothing";
+  EXPECT_LT(looked->candidate.shape.size, 0.05) << "0.13 with the cut ones";
+  EXPECT_LT(looked->candidate.shape.second, 0.05) << "0.08 with the cut ones";
+}
+
 TEST(OutlineShape, TellsAMiddleThatIsAside) {
   const auto looked = with_other_middle(0.24, 0);
   ASSERT_TRUE(looked) << "or this picture tests nothing";
@@ -172,6 +184,47 @@ TEST(CountHollow, AsksForInkInTheMiddleOfDotsThatAreSeen) {
   EXPECT_EQ(hollow_of(test::nine_dot_sheet(), 1, 0.8), 0);
 }
 
+/// By `count_spots` alone.
+int spots_of(const test::Sheet& sheet, double visible_share = 1) {
+  test::Scene scene;
+  scene.camera = test::look_at_landmark(kUsual);
+  set_noise(scene.sensor, 1.5);
+  scene.sheets = {sheet};
+  const test::Picture picture = test::render(scene, 1);
+  const auto whole = look_at(test::nine_dot_sheet(), kUsual);
+  std::array<double, kDotCount> visible;
+  visible.fill(1);
+  visible[4] = visible_share;
+  return count_spots(picture.view(), CameraModel{}, LandmarkGeometry{}, whole->candidate.outlines.T_camera_landmark,
+                     visible, whole->candidate.fit);
+}
+
+TEST(CountSpots, AsksForBlankPaperBetweenTheCentreAndTheRing) {
+  EXPECT_EQ(spots_of(test::nine_dot_sheet()), 0);
+  test::Sheet bolted = test::nine_dot_sheet();
+  for (int bolt = 0; bolt < 5; ++bolt) {
+    const double a_rad = bolt * 2 * std::numbers::pi / 5;
+    bolted.discs.push_back({0.56 * kRing_m * std::sin(a_rad), 0.56 * kRing_m * std::cos(a_rad), 0.6 * kDot_m, 0.03});
+  }
+  EXPECT_EQ(spots_of(bolted), 5);
+  EXPECT_EQ(spots_of(bolted, 0.5), 0) << "what hides a dot may be spotted";
+  EXPECT_TRUE(!look_at(bolted, kUsual) || !look_at(bolted, kUsual)->fits);
+  for (test::Disc& disc : bolted.discs)
+    if (disc.radius_m < 0.7 * kDot_m) disc.reflectance = 0.4;
+  EXPECT_EQ(spots_of(bolted), 0) << "no darker than a shadow";
+}
+
+TEST(CountSpots, TakesWhatLiesAcrossForNone) {
+  test::Sheet crossed = test::nine_dot_sheet();
+  for (int bead = 0; bead < 60; ++bead)  // a cable, from between two dots to between two others
+    crossed.discs.push_back({0.4 * kRing_m, (bead / 30.0 - 1) * 1.2 * kRing_m, 0.3 * kDot_m, 0.03});
+  EXPECT_LE(spots_of(crossed), 1);
+  test::Sheet dirty = test::nine_dot_sheet();
+  dirty.discs.push_back({0.56 * kRing_m, 0.1 * kRing_m, 0.6 * kDot_m, 0.03});
+  EXPECT_EQ(spots_of(dirty), 1);
+  EXPECT_TRUE(look_at(dirty, kUsual)->fits) << "a fly on the sheet";
+}
+
 /// By `count_absent` alone: the dots of a row are taken as missing whatever is there.
 int absent_of(const test::Sheet& sheet, std::initializer_list<std::size_t> missing) {
   test::Scene scene;
@@ -197,6 +250,18 @@ TEST(CountAbsent, AsksForPaperInTheDotsPlaceAndInkBesideIt) {
   EXPECT_EQ(absent_of(hidden, {2}), 0) << "a grey thing before it";
   hidden.discs.back().reflectance = hidden.reflectance;
   EXPECT_EQ(absent_of(hidden, {2}), 0) << "a white thing before it: no ink beside";
+}
+
+TEST(CountAbsent, AsksWhetherTheCentreIsPrintedAside) {
+  test::Sheet aside = test::nine_dot_sheet();
+  aside.discs[8].x_m += 0.8 * kDot_m;
+  EXPECT_EQ(absent_of(aside, {}), 1);
+  EXPECT_EQ(absent_of(aside, {8}), 1);
+  test::Sheet half = test::nine_dot_sheet();
+  half.discs.push_back({2.2 * kDot_m, 0, 2 * kDot_m, half.reflectance});
+  EXPECT_EQ(absent_of(half, {8}), 0) << "a white thing before a part of it";
+  half.discs.push_back({3.5 * kDot_m, 0, kDot_m, 0.02});
+  EXPECT_EQ(absent_of(half, {8}), 0) << "with a black edge on its own side";
 }
 
 TEST(CountAbsent, CountsDotsThatAreNotThereWhereNothingButPaperIs) {

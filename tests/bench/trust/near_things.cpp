@@ -189,8 +189,12 @@ void socket_strip(Canvas& canvas, test::Random& random) {
 void loudspeaker(Canvas& canvas, test::Random& random) {
   const Tones tones = random_tones(random);
   canvas.box(0, 0, 1, 1, 0, 0, tones.light);
-  const double pitch = random.uniform(0.06, 0.14), hole = pitch * random.uniform(0.15, 0.35);
-  canvas.disc(0, 0, hole * random.uniform(1, 2), tones.dark);
+  const double pitch = random.uniform(0.06, 0.14);
+  double hole = pitch * random.uniform(0.15, 0.35);
+  const double centre = hole * random.uniform(1, 2);
+  // The inner ring is not the landmark itself, whose dots have 0.159 of the ring's radius, and P9 twice that.
+  if (hole < 0.18 * pitch && centre > 1.75 * hole) hole = 0.18 * pitch;
+  canvas.disc(0, 0, centre, tones.dark);
   for (int ring = 1; ring < 7; ++ring) {
     const int holes = 8 * ring;
     for (int i = 0; i < holes; ++i) {
