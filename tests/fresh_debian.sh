@@ -61,7 +61,8 @@ mount -t sysfs -o ro sysfs "$root/sys"
 mount --bind "$packages" "$root/var/cache/apt/archives"
 if [[ -n $backports ]]; then
   chroot "$root" apt-get update -qq
-  chroot "$root" /usr/bin/env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq -t "$suite-backports" $backports > /dev/null
+  # Of them and what they ask for alone: all else stays that of the release.
+  chroot "$root" /usr/bin/env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(printf "%s/$suite-backports " $backports) > /dev/null
 fi
 exec chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb CI=true \
   /bin/bash -c "cd /root/ninedot && \"\$@\"" ninedot "$@"
