@@ -190,10 +190,13 @@ class Pins(unittest.TestCase):
                     self.assertTrue(tree.has("/ninedot-overlays", overlay), f"{name}: no mark of {overlay}")
 
 
-class ConfigTxt(unittest.TestCase):
+class Said(unittest.TestCase):
     """What the board says at its start of lines that it can't do."""
 
-    def said(self, lines, model="Raspberry Pi 4 Model B Rev 1.5", applied=()):
+    MODEL = "Raspberry Pi 4 Model B Rev 1.5"
+
+    def said(self, lines, model=None, applied=()):
+        model = model or self.MODEL
         with tempfile.TemporaryDirectory(dir=work) as place:
             fat, tree = os.path.join(place, "fat"), os.path.join(place, "tree")
             os.makedirs(fat)
@@ -201,9 +204,8 @@ class ConfigTxt(unittest.TestCase):
             os.makedirs(os.path.join(tree, "ninedot-overlays"))
             with open(os.path.join(fat, "config.txt"), "w", encoding="ascii", newline="") as file:
                 file.write(lines)
-            if model:
-                with open(os.path.join(tree, "model"), "w", encoding="ascii") as file:
-                    file.write(model + "\0")
+            with open(os.path.join(tree, "model"), "w", encoding="ascii") as file:
+                file.write(model + "\0")
             for name in applied:
                 with open(os.path.join(tree, "ninedot-overlays", name), "w", encoding="ascii"):
                     pass
@@ -211,6 +213,8 @@ class ConfigTxt(unittest.TestCase):
             self.assertEqual(done.stderr, "")
             return done.stdout
 
+
+class ConfigTxt(Said):
     def test_says_nothing_of_what_was_applied(self):
         self.assertEqual(self.said("dtoverlay=camera-ov9281\r\n dtoverlay=uart-ttyAMA0 \n", applied=("camera-ov9281", "uart-ttyAMA0")), "")
         self.assertEqual(self.said("#dtoverlay=camera-ov9821\narm_64bit=1\n"), "")
@@ -249,18 +253,18 @@ class ConfigTxt(unittest.TestCase):
         self.assertIn("camera-ov9281-pi3", self.said("[pi3]\r\n[all]\r\ndtoverlay=camera-ov9281-pi3\r\n"))
 
 
-def main():
+def run(image, *which):
+    """All tests of the program that asks for it, on the trees of the folder that it was given or of an image; which: as overlays.sh has it"""
     global trees, work
     with tempfile.TemporaryDirectory() as place:
         work = place
-        subprocess.run([os.path.join(ROOT, "toolchains/overlays.sh"), os.path.join(work, "overlays")], check=True)
+        subprocess.run([os.path.join(ROOT, "toolchains/overlays.sh"), os.path.join(work, "overlays"), *which], check=True)
         if trees is None:
             trees = os.path.join(work, "trees")
             os.mkdir(trees)
-            image = os.path.join(ROOT, "build/image/ninedot-arm64.img")
             subprocess.run(["mcopy", "-i", f"{image}@@4M", "::*.dtb", trees], check=True)
         return 0 if unittest.main(argv=sys.argv[:1], exit=False, verbosity=1).result.wasSuccessful() else 1
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(os.path.join(ROOT, "build/image/ninedot-arm64.img")))
