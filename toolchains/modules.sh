@@ -1,17 +1,18 @@
 #!/bin/bash
 # Builds the drivers that Debian's arm64 kernel leaves out, from Debian's own source of that very kernel, and packs them.
 #
-#   toolchains/modules.sh FOLDER      as root; prints the path of ninedot-modules-KERNEL_*_arm64.deb
+#   toolchains/modules.sh FOLDER [ROOT]     as root; prints the path of ninedot-modules-KERNEL_*_arm64.deb
 #
-# FOLDER holds the kernel's packages of one version, as toolchains/image.sh lays them there: linux-image, linux-headers (and its -common),
-# linux-kbuild, linux-source. The compiler is the cross root's (toolchains/cross.sh makes it): the release's own, which built the kernel. What was
-# built is kept, by the kernel's version and by this file; nothing is downloaded.
+# FOLDER holds the kernel's packages of one version, as toolchains/image.sh lays them there: linux-image (that of backports with linux-binary and
+# linux-modules), linux-headers (and its -common), linux-kbuild, linux-source. The compiler is the cross root's (toolchains/cross.sh makes it; default
+# build/package-arm64/root): the release's own, which built the kernel. What was built is kept, by the kernel's version and by this file; nothing is downloaded.
 set -euo pipefail
 shopt -s inherit_errexit
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 source toolchains/roots.sh
 
-# Files of the source, by the module that they make. v4l2-cci is what imx219 reaches its registers with; Debian builds it for no one.
+# Files of the source, by the module that they make. A kernel that has one itself keeps its own. v4l2-cci is what imx219 reaches its registers with;
+# Debian's 6.12 builds it for no one.
 drivers=(
   "bcm2835-unicam   drivers/media/platform/broadcom/bcm2835-unicam.c"
   "v4l2-cci         drivers/media/v4l2-core/v4l2-cci.c"
@@ -27,11 +28,11 @@ drivers=(
 )
 headers=(drivers/media/platform/broadcom/bcm2835-unicam-regs.h drivers/tty/serial/sc16is7xx.h)
 
-[[ $# -eq 1 && -d $1 ]] || roots_fail "say where the kernel's packages are: toolchains/modules.sh FOLDER"
+[[ $# -eq 1 || $# -eq 2 ]] && [[ -d $1 ]] || roots_fail "say where the kernel's packages are: toolchains/modules.sh FOLDER [ROOT]"
 require_root
 require_emulation arm64  # the kernel's build programs come as arm64 ones
 folder=$(readlink -f "$1")
-cross=$(readlink -f build/package-arm64/root) || cross=
+cross=$(readlink -f "${2:-build/package-arm64/root}") || cross=
 [[ -d $cross ]] || roots_fail "no cross compiler: toolchains/cross.sh arm64 first"
 for kind in image-[0-9]* headers-*-arm64 headers-*-common* kbuild source; do
   compgen -G "$folder/linux-${kind}*.deb" > /dev/null || roots_fail "no linux-$kind*.deb in $folder: remove that folder's root and make it anew"
@@ -70,8 +71,14 @@ wanted=("${drivers[@]##* }" "${headers[@]}")
 tar -C "$work" -xJf "$archive" "${wanted[@]/#/$top/}" 2>> "$log" || true
 mkdir "$work/build"
 modules=() lacking=()
+# Of backports' kernel both are in packages of their own.
+image_deb=$kernel_deb drivers_deb=$kernel_deb
+for deb in "$folder"/linux-binary-[0-9]*.deb; do [[ ! -e $deb ]] || image_deb=$deb; done
+for deb in "$folder"/linux-modules-[0-9]*.deb; do [[ ! -e $deb ]] || drivers_deb=$deb; done
+theirs=$(dpkg-deb --fsys-tarfile "$drivers_deb" | tar -t)
 for driver in "${drivers[@]}"; do
   name=${driver%% *} file=$work/$top/${driver##* }
+  [[ $theirs != */"$name".ko* ]] || continue
   if [[ -e $file ]]; then cp "$file" "$work/build/"; modules+=("$name"); else lacking+=("$name"); fi
 done
 for file in "${headers[@]}"; do cp "$work/$top/$file" "$work/build/"; done
@@ -79,8 +86,8 @@ for file in "${headers[@]}"; do cp "$work/$top/$file" "$work/build/"; done
 [[ ${#lacking[@]} -eq 0 ]] || echo "== $top has no ${lacking[*]}" >&2
 {
   for name in "${modules[@]}"; do echo "obj-m += $name.o"; done
-  # It is part of a kernel by this option, which Debian's has not.
-  echo "ccflags-y += -DCONFIG_V4L2_CCI_I2C=1"
+  # It is part of a kernel by this option, which Debian's 6.12 has not.
+  [[ ! -e $work/build/v4l2-cci.c ]] || echo "ccflags-y += -DCONFIG_V4L2_CCI_I2C=1"
 } > "$work/build/Makefile"
 # Where the package would be installed is written into it.
 sed -i "s|/usr/src/|/ninedot/usr/src/|" "$work/usr/src/linux-headers-$kernel/Makefile"
@@ -96,7 +103,7 @@ for name in "${modules[@]}"; do
   install -m 644 "$work/build/$name.ko" "$place/"
 done
 # The kernel's own date, so that the same kernel gives the same package.
-SOURCE_DATE_EPOCH=$(dpkg-deb --fsys-tarfile "$kernel_deb" | tar -tv --full-time --utc --wildcards '*/boot/vmlinuz-*' | awk '{ print $4 "T" $5 "Z" }' | date -u -f - +%s)
+SOURCE_DATE_EPOCH=$(dpkg-deb --fsys-tarfile "$image_deb" | tar -tv --full-time --utc --wildcards '*/vmlinuz*' | awk '{ print $4 "T" $5 "Z" }' | date -u -f - +%s)
 export SOURCE_DATE_EPOCH
 maintainer='The ninedot developers <maintainers@ninedot.invalid>'
 cat > "$tree/usr/share/doc/$package/copyright" << END

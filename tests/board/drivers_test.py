@@ -4,7 +4,8 @@ overlay on the model of a Raspberry Pi 3's chip. There is no camera, so a driver
 where it first talks to the sensor, on I2C: that is what is looked for.
 
     tests/board/drivers_test.py FOLDER PACKAGE     FOLDER: the kernel's packages and BusyBox, as toolchains/image.sh keeps them in
-                                                   /var/tmp/ninedot-cache/board-*/board; PACKAGE: what toolchains/modules.sh made of it
+                                                   /var/tmp/ninedot-cache/board-*/board, or that of backports, in board-pi5-*/board; PACKAGE: what
+                                                   toolchains/modules.sh made of it
 
 Needs qemu-system-arm, device-tree-compiler, kmod, cpio, xz-utils. Takes two to five minutes. The board's power switch, on a line of the firmware that QEMU
 has not, is why the tree is the Zero 2 W's, which has the same chip.
@@ -23,7 +24,7 @@ LIMIT_S = 300  # a busy machine emulates slowly
 
 # What the driver says when nobody answers on I2C, having taken everything else.
 UNANSWERED = {
-    "ov9281": ("ov9282", r"ov9282 \d+-0060: failed to power-on the sensor"),
+    "ov9281": ("ov9282", r"ov9282 \d+-0060: (error -\w+: )?failed to power-on the sensor"),
     "imx296": ("imx296", r"imx296 \d+-001a: (8-bit write to|failed to get sensor out of standby)"),
     "imx219": ("imx219", r"imx219 \d+-0010: .*failed to read chip id"),
     "ov5647": ("ov5647", r"ov5647 \d+-0036: write sensor_oe_enable_regs error"),
@@ -62,13 +63,19 @@ class Guest:
 
     def __init__(self, folder, package, work):
         self.work, self.root = work, os.path.join(work, "root")
-        for pattern in (f"{folder}/linux-image-[0-9]*.deb", f"{folder}/busybox-static_*.deb", package):
+        # The kernel of backports is in four packages.
+        parts = [kind for kind in ("image", "base", "binary", "modules") if glob.glob(f"{folder}/linux-{kind}-[0-9]*.deb")]
+        for pattern in (*(f"{folder}/linux-{kind}-[0-9]*.deb" for kind in parts or ["image"]), f"{folder}/busybox-static_*.deb", package):
             unpack(pattern, self.root)
         os.symlink("usr/lib", os.path.join(self.root, "lib"))
         self.version = os.listdir(os.path.join(self.root, "usr/lib/modules"))[0]
         subprocess.run(["/sbin/depmod", "-b", self.root, self.version], check=True)
         extra = glob.glob(os.path.join(self.root, "usr/lib/modules", self.version, "extra", "*.ko"))
         self.extra = sorted(os.path.basename(path)[:-3] for path in extra)
+
+    def find(self, *patterns):
+        """Returns the file of the kernel's packages that is at one of these places"""
+        return next(path for pattern in patterns for path in glob.glob(os.path.join(self.root, pattern)))
 
     def files_of(self, modules):
         """Returns the files to load, in an order in which each finds what it needs"""
@@ -102,7 +109,7 @@ class Guest:
     def run(self, machine, modules):
         """Returns what the guest wrote on its console"""
         console = tempfile.mktemp(dir=self.work)
-        kernel = glob.glob(os.path.join(self.root, "boot/vmlinuz-*"))[0]
+        kernel = self.find("boot/vmlinuz-*", "usr/lib/modules/*/vmlinuz")
         qemu = subprocess.Popen(["qemu-system-aarch64", *machine, "-kernel", kernel, "-initrd", self.make_initrd(modules),
                                  "-append", "console=ttyAMA0,115200 panic=-1 loglevel=1", "-serial", f"file:{console}",
                                  "-display", "none", "-monitor", "none", "-no-reboot"], stdin=subprocess.DEVNULL)
@@ -133,7 +140,7 @@ def check_all_load(guest):
 def check_overlay(guest, sensor):
     driver, pattern = UNANSWERED[sensor]
     tree = os.path.join(guest.work, f"{sensor}.dtb")
-    board = os.path.join(guest.root, f"usr/lib/linux-image-{guest.version}/broadcom/bcm2837-rpi-zero-2-w.dtb")
+    board = guest.find(*(f"usr/lib/{place}/broadcom/bcm2837-rpi-zero-2-w.dtb" for place in ("linux-image-*", "modules/*/dtb")))
     asked = [f"camera-{sensor}-zero2", "pwm-gpio12-13", "uart-ttyAMA0"]
     subprocess.run(["fdtoverlay", "-i", board, "-o", tree, *(os.path.join(guest.work, "overlays", name + ".dtbo") for name in asked)], check=True)
     said = guest.run(["-M", "raspi3b", "-dtb", tree], ["fixed", "i2c-bcm2835", "pwm-bcm2835", "bcm2835-unicam", driver])
