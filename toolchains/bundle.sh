@@ -35,9 +35,12 @@ read -r first count < <(partition 6)
 dd if="$image" of="$work/content/boot.img" bs=1M skip="$first" count="$count" conv=sparse status=none
 version=$(unsquashfs -cat "$work/content/root.img" usr/lib/os-release | sed -n 's/^IMAGE_VERSION=//p')
 [[ -n $version ]] || fail "the root of $image does not say its version"
+# Boards take what is made for them: the image's own setting says for which.
+compatible=$(unsquashfs -cat "$work/content/root.img" etc/rauc/system.conf | sed -n 's/^compatible=//p')
+[[ -n $compatible ]] || fail "the root of $image does not say for which boards it is"
 cat > "$work/content/manifest.raucm" << END
 [update]
-compatible=ninedot-arm64
+compatible=$compatible
 version=$version
 
 [bundle]
@@ -53,4 +56,4 @@ rm -f "$bundle"
 # The root is packed already.
 rauc bundle --cert="$certificate" --key="$key" --mksquashfs-args="-comp zstd -Xcompression-level 9 -no-progress -quiet" "$work/content" "$bundle" > "$work/log" 2>&1 ||
   { cat "$work/log" >&2; fail "RAUC could not make the bundle"; }
-echo "== $bundle: version $version, $(($(stat -c %s "$bundle") / 1048576)) MiB"
+echo "== $bundle: for $compatible, version $version, $(($(stat -c %s "$bundle") / 1048576)) MiB"

@@ -95,10 +95,12 @@ class UpdateTest:
 
     def check_refused(self):
         before, roots = self.state(), self.sum_of(ROOTS["B"])
-        status, said = self.install("stranger")
-        require(status != 0 and "signature verification failed" in said.lower(), f"a stranger's bundle: {status}, {said}")
-        require(self.state() == before and self.sum_of(ROOTS["B"]) == roots, "a bundle was refused and something has changed")
-        note("a bundle that a stranger signed", "refused, nothing changed")
+        for name, what, reason in (("stranger", "a bundle that a stranger signed", "signature verification failed"),
+                                   ("other", "a bundle for another kind of board", "compatible mismatch")):
+            status, said = self.install(name)
+            require(status != 0 and reason in said.lower(), f"{what}: {status}, {said}")
+            require(self.state() == before and self.sum_of(ROOTS["B"]) == roots, f"{what} was refused and something has changed")
+            note(what, "refused, nothing changed")
         status, said = self.install("changed")
         require(status != 0, f"a bundle that was changed after it was signed: {said}")
         require(self.state()["BOOT_ORDER"].split()[0] == "A" and self.state()["BOOT_A_LEFT"] == "9", f"the boot loader has {self.state()}")
