@@ -22,6 +22,27 @@ board_sources() {
   printf 'deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] %s %s main non-free-firmware\n' "$mirror" "$ninedot_suite" "$mirror" "$ninedot_suite-updates" "$security" "$ninedot_suite-security"
 }
 
+# The release's backports, for libcamera and a kernel that know the Raspberry Pi 5: these source packages come from there, all else stays the release's own.
+ninedot_backports=$ninedot_suite-backports
+backports_pin="Package: src:libcamera:any src:linux:any src:linux-signed-arm64:any
+Pin: release n=$ninedot_backports
+Pin-Priority: 500"
+backports_source() {
+  echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $(debian_mirror) $ninedot_backports main"
+}
+# For new_root, with backports_pin in the environment.
+# shellcheck disable=SC2016
+backports_hook='--setup-hook=mkdir -p "$1/etc/apt/preferences.d" && echo "$backports_pin" > "$1/etc/apt/preferences.d/backports"'
+
+# root_failed WHAT LOG SUITE: in one line where the archive is the reason, else with the end of what was said.
+root_failed() {
+  if grep -q '^E: apt-get update' "$2"; then
+    roots_fail "$1 failed: $(debian_mirror) can't be reached or has no $3; set NINEDOT_MIRROR to an archive that has it"
+  fi
+  tail -n 20 "$2" >&2
+  roots_fail "$1 failed; its whole output: $2"
+}
+
 require_root() { [[ $EUID -eq 0 ]] || roots_fail "needs root for chroot and mounts: run it with sudo"; }
 
 # The time that everything made here bears: that of the last commit.
