@@ -1,18 +1,24 @@
 #!/bin/bash
 # Makes the board image: 64-bit ARM, Debian 13, read-only root, data partition, configuration on a FAT partition. docs/board.md says what is on it.
 #
-#   toolchains/image.sh [--update]     as root; result: build/image/ninedot-arm64.img, ninedot-arm64.spdx.json, which says what it is made of, and for
-#                                      QEMU u-boot.bin (-bios), or vmlinuz and initrd.gz (-kernel and -initrd)
+#   toolchains/image.sh [--pi5] [--update]     as root; result: build/image/ninedot-arm64.img, ninedot-arm64.spdx.json, which says what it is made of,
+#                                              and for QEMU u-boot.bin (-bios), or vmlinuz and initrd.gz (-kernel and -initrd)
 #
+# --pi5: for the Raspberry Pi 5, with the kernel and the libcamera of Debian's backports; the same files in build/image-pi5, ninedot-arm64-pi5.img.
 # Made with one system, A; the place of the other is empty until the first update: toolchains/bundle.sh.
 #
 # Debian's part is made once, again when the list of its packages changes, and with --update: from what Debian's archive has now. The same sources
 # give the same bytes (SOURCE_DATE_EPOCH: the last commit's time). NINEDOT_CACHE, NINEDOT_MIRROR, NINEDOT_JOBS: as for toolchains/cross.sh; NINEDOT_SECURITY_MIRROR: roots.sh.
 set -euo pipefail
 shopt -s inherit_errexit
-update=
-if [[ ${1:-} == --update ]]; then update=yes; shift; fi
-[[ $# -eq 0 ]] || { echo "image.sh: unknown '$1': toolchains/image.sh [--update]" >&2; exit 2; }
+update='' pi5=''
+for word in "$@"; do
+  case $word in
+    --update) update=yes ;;
+    --pi5) pi5=-pi5 ;;
+    *) echo "image.sh: unknown '$word': toolchains/image.sh [--pi5] [--update]" >&2; exit 2 ;;
+  esac
+done
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 source toolchains/roots.sh
 
@@ -21,7 +27,8 @@ disk_signature=39444f54     # the same on all boards: it names the disk that the
 data_uuid=9d090000-0000-4000-8000-000000000003
 fat_mib=128 data_mib=64     # data: a few files; the journal takes 4 MiB
 root_mib=256 boot_mib=64    # of each system: twice what they take today. They can't grow later
-out=build/image image=build/image/ninedot-arm64.img
+name=ninedot-arm64$pi5 out=build/image$pi5
+image=$out/$name.img
 # Unpacked by nobody: OpenCV's core asks for the graphics stack, of which it calls nothing without a window.
 left_out=(/usr/share/man/ /usr/share/info/ /usr/share/locale/ /usr/share/lintian/ /usr/share/bash-completion/ /usr/share/zsh/
   /usr/lib/aarch64-linux-gnu/libLLVM /usr/lib/aarch64-linux-gnu/libgallium /usr/lib/aarch64-linux-gnu/libz3 /usr/lib/aarch64-linux-gnu/dri/)
@@ -55,26 +62,37 @@ apt-get download busybox-static raspi-firmware u-boot-rpi u-boot-qemu "$kernel"
 version=$(dpkg-deb -f "$kernel"_*.deb Version) abi=${kernel#linux-image-}
 source=linux-source-$(echo "$abi" | cut -d . -f 1,2)
 apt-get download "linux-headers-$abi=$version" "linux-headers-${abi%-rt-arm64}-common-rt=$version" "linux-kbuild-${abi%-rt-arm64}=$version" "$source=$version"'
+# The same of backports, where the kernel is in four packages. A Raspberry Pi 5 has its firmware on the board.
+# shellcheck disable=SC2016
+if [[ -n $pi5 ]]; then download_kernel='
+cd /board
+abi=$(apt-cache depends linux-image-rt-arm64 | sed -n "s/.*Depends: linux-image-\([0-9].*\)/\1/p" | head -n 1)
+version=$(apt-cache show --no-all-versions "linux-image-$abi" | sed -n "s/^Version: //p")
+apt-get download busybox-static u-boot-rpi u-boot-qemu
+for name in "image-$abi" "base-$abi" "binary-$abi" "modules-$abi" "headers-$abi" "headers-${abi%-rt-arm64}-common" "kbuild-${abi%-rt-arm64}" \
+  "source-$(echo "$abi" | cut -d . -f 1,2)"; do apt-get download "linux-$name=$version"; done'
+fi
 
 # debian_base DEB...: the folder with Debian's part, made if need be. The packages that ours ask for are in it.
 debian_base() {
   local names key base log option=() place sources
-  sources=$(board_sources)
+  sources=$(board_sources; [[ -z $pi5 ]] || backports_source)
   names=$( (for place in "$@"; do dpkg-deb -f "$place" Depends; done | tr ',' '\n' | sed 's/|.*//; s/(.*//; s/ //g' | grep -v '^ninedot$'
     sed 's/#.*//; s/ //g' systemd/image/packages.txt) | grep . | sort -u)
-  key=$(sha256sum <<< "$sources $names ${left_out[*]} $download_kernel" | cut -c 1-12)
-  base=$ninedot_cache/board-$key
+  key=$(sha256sum <<< "$sources${pi5:+ $backports_pin} $names ${left_out[*]} $download_kernel" | cut -c 1-12)
+  base=$ninedot_cache/board$pi5-$key
   if [[ ! -d $base || -n $update ]]; then
     echo "== making Debian's part: $base (takes 5 to 10 minutes)" >&2
     mkdir -p "$ninedot_cache"
     rm -rf --one-file-system "$base.part"
-    log=$ninedot_cache/board.log
+    log=$ninedot_cache/board$pi5.log
+    [[ -z $pi5 ]] || option+=("$backports_hook")
     for place in "${left_out[@]}"; do option+=("--dpkgopt=path-exclude=$place*"); done
     option+=("--dpkgopt=path-exclude=/usr/share/doc/*" "--dpkgopt=path-include=/usr/share/doc/*/copyright" "--dpkgopt=path-include=/usr/share/doc/ninedot/*")
     # shellcheck disable=SC2016
-    script=$download_kernel new_root --variant=minbase --architectures=arm64 "${option[@]}" --include="${names//$'\n'/,}" \
+    script=$download_kernel backports_pin=$backports_pin new_root --variant=minbase --architectures=arm64 "${option[@]}" --include="${names//$'\n'/,}" \
       --customize-hook='mkdir "$1/board" && chroot "$1" sh -ec "$script"' \
-      "$ninedot_suite" "$base.part" - <<< "$sources" > "$log" 2>&1 || { tail -n 20 "$log" >&2; roots_fail "Debian's part failed; its whole output: $log"; }
+      "$ninedot_suite" "$base.part" - <<< "$sources" > "$log" 2>&1 || root_failed "Debian's part" "$log" "$ninedot_suite${pi5:+-backports}"
     # The old one goes when there is a new one: an archive that can't be reached leaves what there was.
     rm -rf --one-file-system "$base"
     mv "$base.part" "$base"
@@ -96,7 +114,7 @@ fill_root() {
   version=$(basename "$root"/board/linux-image-*.deb | cut -d _ -f 1)
   in_root "$root" "$(dirname "$modules")" dpkg -i --ignore-depends="$version" "$(basename "$modules")"
   for place in "${drivers_left_out[@]}"; do option+=("--exclude=*/kernel/${place#kernel/}"); done
-  unpack "$root"/board/linux-image-*.deb "$root" "${option[@]}"
+  for place in "$root"/board/linux-{image,base,binary,modules}-[0-9]*.deb; do [[ ! -e $place ]] || unpack "$place" "$root" "${option[@]}"; done
   option=()
   for place in "${firmware_kept[@]}"; do option+=(! -path "$root/usr/lib/firmware/$place"); done
   find "$root/usr/lib/firmware" ! -type d "${option[@]}" -delete
@@ -116,7 +134,9 @@ fill_root() {
   echo ninedot > "$root/etc/hostname"
   printf '127.0.0.1 localhost\n127.0.1.1 ninedot\n::1 localhost\n' > "$root/etc/hosts"
   : > "$root/etc/machine-id"
-  printf 'IMAGE_ID=ninedot-arm64\nIMAGE_VERSION=%s\n' "$image_version" >> "$root/usr/lib/os-release"
+  printf 'IMAGE_ID=%s\nIMAGE_VERSION=%s\n' "$name" "$image_version" >> "$root/usr/lib/os-release"
+  # An update of one board would not start on the other.
+  sed -i "s/^compatible=.*/compatible=$name/" "$root/etc/rauc/system.conf"
   rm -rf "$root/ninedot" "$root"/etc/ssh/ssh_host_* "$root"/var/lib/apt/lists/* "$root"/var/cache/* "$root"/var/log/* "$root"/var/lib/systemd/* \
     "$root"/var/lib/dpkg/*-old "$root"/etc/*- "$root/etc/resolv.conf" "$root"/tmp/* "$root"/run/* "${root:?}"/dev/* "$root"/initrd.img* "$root"/vmlinuz*
 }
@@ -130,7 +150,7 @@ make_initrd() {
   install -m 755 "$2/busybox/usr/bin/busybox" "$tree/bin/busybox"
   install -m 755 systemd/image/init "$tree/init"
   # In an order in which each finds what it needs; built-in ones and those of other kernels fall out.
-  sed '/^#/d' systemd/image/modules.txt | while read -r file; do
+  sed '/^#/d' systemd/image/modules.txt ${pi5:+systemd/image/modules-pi5.txt} | while read -r file; do
     modprobe -d "$root" -S "$version" --show-depends "$file" 2> /dev/null | sed -n 's/^insmod \([^ ]*\).*/\1/p' || true
   done | awk '!seen[$0]++' | while read -r file; do
     if [[ $file == *.xz ]]; then xz -dc "$file"; else cat "$file"; fi > "$tree/modules/$(basename "${file%.xz}")"
@@ -165,20 +185,26 @@ make_config() {
   local root=$1 tree=$2/fat
   mkdir -p "$tree"
   sed 's/$/\r/' systemd/image/README.txt > "$tree/README.TXT"
-  cp "$root/etc/ninedot/ninedot.toml" systemd/image/config.txt "$tree/"
-  echo "ro quiet panic=10 systemd.gpt_auto=0 console=tty1" > "$tree/cmdline.txt"
+  cp "$root/etc/ninedot/ninedot.toml" "$tree/"
+  cp "systemd/image/config$pi5.txt" "$tree/config.txt"
+  # A Raspberry Pi 5 has a serial line for that alone, and U-Boot perhaps no screen there.
+  echo "ro quiet panic=10 systemd.gpt_auto=0${pi5:+ console=ttyAMA10,115200} console=tty1" > "$tree/cmdline.txt"
   unpack "$root"/board/u-boot-rpi_*.deb "$2/u-boot-rpi"
   cp "$2/u-boot-rpi/usr/lib/u-boot/rpi_arm64/u-boot.bin" "$tree/"
   cp "$2/u-boot-rpi/usr/share/doc/u-boot-rpi/copyright" "$tree/LICENCE.u-boot"
   sed '/^ *#/d' systemd/image/boot.cmd > "$2/boot.txt"
   mkimage -A arm64 -T script -n ninedot -d "$2/boot.txt" "$tree/boot.scr" > /dev/null
   # Debian's U-Boot for these boards looks here for its own variables; 0x4000 bytes is what it was built for.
-  sed '/^#/d' systemd/image/u-boot-rpi.txt | mkenvimage -p 0 -s 0x4000 -o "$tree/uboot.env" -
-  unpack "$root"/board/raspi-firmware_*.deb "$2/firmware"
-  cp "$2"/firmware/usr/lib/raspi-firmware/{bootcode.bin,start*.elf,fixup*.dat} "$tree/"
-  cp "$2/firmware/usr/share/doc/raspi-firmware/copyright" "$tree/LICENCE.raspi-firmware"
-  cp "$root"/usr/lib/linux-image-*/broadcom/bcm2{711,712,837}-rpi-*.dtb "$tree/"
-  toolchains/overlays.sh "$tree/overlays"
+  sed "/^#/d${pi5:+; s/=vidconsole/=serial,vidconsole/}" systemd/image/u-boot-rpi.txt | mkenvimage -p 0 -s 0x4000 -o "$tree/uboot.env" -
+  if [[ -n $pi5 ]]; then
+    cp "$root"/usr/lib/modules/*/dtb/broadcom/bcm2712-*rpi-5-b.dtb "$tree/"
+  else
+    unpack "$root"/board/raspi-firmware_*.deb "$2/firmware"
+    cp "$2"/firmware/usr/lib/raspi-firmware/{bootcode.bin,start*.elf,fixup*.dat} "$tree/"
+    cp "$2/firmware/usr/share/doc/raspi-firmware/copyright" "$tree/LICENCE.raspi-firmware"
+    cp "$root"/usr/lib/linux-image-*/broadcom/bcm2{711,712,837}-rpi-*.dtb "$tree/"
+  fi
+  toolchains/overlays.sh "$tree/overlays" ${pi5:+pi5}
   make_fat "$2/fat.img" "$fat_mib" NINEDOT "$disk_signature" "$tree"
 }
 
@@ -214,11 +240,12 @@ make_disk() {
   place "$1/state" 2
 }
 
-NINEDOT_JOBS=${NINEDOT_JOBS:-$(nproc)} toolchains/cross.sh arm64
-deb=$(ls build/package-arm64/package/ninedot_*_arm64.deb)
-web_deb=$(ls build/package-arm64/package/ninedot-web_*_arm64.deb)
+NINEDOT_JOBS=${NINEDOT_JOBS:-$(nproc)} toolchains/cross.sh arm64 ${pi5:+--backports}
+built=build/package-arm64${pi5:+-backports}
+deb=$(ls "$built"/package/ninedot_*_arm64.deb)
+web_deb=$(ls "$built"/package/ninedot-web_*_arm64.deb)
 base=$(debian_base "$deb" "$web_deb")
-modules=$(toolchains/modules.sh "$base/board")
+modules=$(toolchains/modules.sh "$base/board" "$built/root")
 work=$(mktemp -d "$ninedot_cache/board-work-XXXXXX")
 log=
 # shellcheck disable=SC2154
@@ -228,16 +255,17 @@ echo "== making the image"
 cp -a "$base" "$work/root"
 log=$out/image.log
 fill_root "$work/root" > "$log" 2>&1
-install -m 644 "$work"/root/boot/vmlinuz-* "$out/vmlinuz"
+vmlinuz=$(compgen -G "$work/root/boot/vmlinuz-*" || compgen -G "$work/root/usr/lib/modules/*/vmlinuz")
+install -m 644 "$vmlinuz" "$out/vmlinuz"
 make_initrd "$work/root" "$work" >> "$log" 2>&1
 unpack "$work"/root/board/u-boot-qemu_*.deb "$work/u-boot-qemu" ./usr/lib/u-boot/qemu_arm64/u-boot.bin >> "$log" 2>&1
 install -m 644 "$work/u-boot-qemu/usr/lib/u-boot/qemu_arm64/u-boot.bin" "$out/u-boot.bin"
 make_boot "$work" >> "$log" 2>&1
 make_config "$work/root" "$work" >> "$log" 2>&1
-toolchains/sbom.py "$work/root" --name ninedot-arm64 --version "$image_version" --out "$out/ninedot-arm64.spdx.json" \
-  --unpacked "$work"/root/board/{linux-image-[0-9]*,busybox-static_*,raspi-firmware_*,u-boot-rpi_*}.deb >> "$log" 2>&1
-install -D -m 644 "$out/ninedot-arm64.spdx.json" "$work/root/usr/share/ninedot/sbom.spdx.json"
-rm -rf "$work"/root/board "$work"/root/boot/* "$work"/root/usr/lib/linux-image-*
+mapfile -t unpacked < <(find "$work/root/board" -regextype egrep -regex '.*/(linux-(image|base|binary|modules)-[0-9]|busybox-static_|raspi-firmware_|u-boot-rpi_).*')
+toolchains/sbom.py "$work/root" --name "$name" --version "$image_version" --out "$out/$name.spdx.json" --unpacked "${unpacked[@]}" >> "$log" 2>&1
+install -D -m 644 "$out/$name.spdx.json" "$work/root/usr/share/ninedot/sbom.spdx.json"
+rm -rf "$work"/root/board "$work"/root/boot/* "$work"/root/usr/lib/linux-image-* "$work"/root/usr/lib/modules/*/{vmlinuz,System.map,dtb}
 env -u SOURCE_DATE_EPOCH mksquashfs "$work/root" "$work/root.squashfs" -comp zstd -Xcompression-level 19 -noappend -no-progress -quiet \
   -mkfs-time "$SOURCE_DATE_EPOCH" -all-time "$SOURCE_DATE_EPOCH" -processors "${NINEDOT_JOBS:-$(nproc)}" >> "$log" 2>&1
 make_disk "$work" >> "$log" 2>&1

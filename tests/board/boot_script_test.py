@@ -6,6 +6,7 @@
 The script is the image's own, from its FAT partition; what counts is on a small disk of the test's.
 """
 
+import glob
 import os
 import re
 import struct
@@ -106,7 +107,7 @@ def torn(new, old, sectors):
 
 def main():
     folder = sys.argv[1] if len(sys.argv) > 1 else "build/image"
-    loader, image = f"{folder}/u-boot.bin", f"{folder}/ninedot-arm64.img"
+    loader, image = f"{folder}/u-boot.bin", next(iter(glob.glob(f"{folder}/ninedot-arm64*.img")), f"{folder}/ninedot-arm64.img")
     for file in (loader, image):
         if not os.path.exists(file):
             print(f"boot_script_test.py: no {file}: ./dev image", file=sys.stderr)

@@ -4,7 +4,7 @@
 #
 #   tests/board/boot_test.sh [POWER-CUTS]     after ./dev image; default 3 power cuts
 #
-# NINEDOT_IMAGE: the folder with the image (default build/image). QEMU's console is kept in build/image/boot_test/.
+# NINEDOT_IMAGE: the folder with the image (default build/image; the Raspberry Pi 5's: build/image-pi5). QEMU's console is kept in build/image/boot_test/.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 
@@ -12,17 +12,18 @@ cuts=${1:-3} folder=${NINEDOT_IMAGE:-build/image} work=build/image/boot_test
 fail() { echo "boot_test.sh: $*" >&2; exit 2; }
 [[ $cuts =~ ^[0-9]+$ ]] || fail "how many power cuts? tests/board/boot_test.sh [POWER-CUTS]"
 for tool in qemu-system-aarch64 mcopy fdtoverlay fdtput unsquashfs python3 ssh-keygen; do command -v "$tool" > /dev/null || fail "needs $tool: ./dev packages boot"; done
-for file in ninedot-arm64.img vmlinuz initrd.gz; do [[ -s $folder/$file ]] || fail "no $folder/$file: ./dev image"; done
+image=$(compgen -G "$folder/ninedot-arm64*.img" | head -n 1) || fail "no image in $folder: ./dev image"
+for file in vmlinuz initrd.gz; do [[ -s $folder/$file ]] || fail "no $folder/$file: ./dev image"; done
 
 rm -rf "$work"
 mkdir -p "$work"
-cp --sparse=always "$folder/ninedot-arm64.img" "$work/board.img"
+cp --sparse=always "$image" "$work/board.img"
 tests/board/sbom_test.py "$folder"
 cp "$folder/vmlinuz" "$folder/initrd.gz" "$work/"  # a new image may be made meanwhile
 # Overlays are for boards that QEMU has not: they are tried on the boards' device trees.
 mkdir "$work/trees"
 mcopy -i "$work/board.img@@4M" '::*.dtb' "$work/trees/"
-tests/board/overlays_test.py "$work/trees"
+if [[ $image == *-pi5.img ]]; then tests/board/overlays_pi5_test.py "$work/trees"; else tests/board/overlays_test.py "$work/trees"; fi
 # What a person would put on the FAT partition before the first boot: edited on a system with other line ends.
 mcopy -i "$work/board.img@@4M" ::ninedot.toml "$work/ninedot.toml"
 sed -i 's/^listen = .*/listen = "0.0.0.0"/; s/$/\r/' "$work/ninedot.toml"

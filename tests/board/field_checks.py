@@ -120,7 +120,7 @@ def check_identity(board):
         said = board.run(f"journalctl -u {unit} -o cat --no-pager | grep 'serial number' | tail -n 1")
         require(BOARD_SERIAL in said, f"the journal of {unit} does not tell the serial number: {said}")
     image = board.run("journalctl -u ninedot-configure -o cat --no-pager | grep '^image ' | tail -n 1")
-    require(f"ninedot-arm64 {version}+" in image, f"the journal does not tell the image's version: {image}")
+    require(re.search(rf"ninedot-arm64(-pi5)? {re.escape(version)}\+", image), f"the journal does not tell the image's version: {image}")
     note("version and serial number", f"{version}, {serial}: in registers, status and journal; {image}")
 
 
