@@ -15,12 +15,13 @@ for tool in rauc mksquashfs unsquashfs sfdisk python3; do command -v "$tool" > /
 for file in "$key" "$certificate"; do [[ $file == pkcs11:* || -r $file ]] || fail "cannot read $file"; done
 [[ -s $image ]] || fail "no $image: ./dev image"
 
+table=$(sfdisk --json "$image" 2> /dev/null) && [[ $(grep -c '"node"' <<< "$table") -ge 7 ]] || fail "$image is no image of a board: ./dev image"
 # partition NUMBER: where it begins and how long it is, in MiB, which all of them are whole multiples of.
 partition() {
-  sfdisk --json "$image" | python3 -c '
+  python3 -c '
 import json, sys
 entry = json.load(sys.stdin)["partitiontable"]["partitions"][int(sys.argv[1]) - 1]
-print(entry["start"] // 2048, entry["size"] // 2048)' "$1"
+print(entry["start"] // 2048, entry["size"] // 2048)' "$1" <<< "$table"
 }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -32,6 +32,10 @@ for name in ninedot-arm64 ninedot-arm64-pi5; do
   [[ $says == "$name" ]] || fail "the bundle of an image for $name is for '$says'"
   echo "ok: a bundle of an image for $name is for it alone"
 done
+head -c 100000 /dev/urandom > "$work/board.img"
+if said=$(toolchains/bundle.sh "$work/key.pem" "$work/cert.pem" "$work/board.img" "$work/other.raucb" 2>&1); then fail "a bundle of what is no image"; fi
+[[ $said == *"is no image of a board"* && $(wc -l <<< "$said") -eq 1 && ! -e $work/other.raucb ]] || fail "$said"
+echo "ok: what is no image gives no bundle, and one line that says so"
 image ''
 if said=$(toolchains/bundle.sh "$work/key.pem" "$work/cert.pem" "$work/board.img" "$work/board.raucb" 2>&1); then fail "a bundle of an image that does not say for which boards it is"; fi
 [[ $said == *"does not say for which boards"* && $(wc -l <<< "$said") -eq 1 ]] || fail "$said"
