@@ -1,6 +1,7 @@
 #include "pose/outline_shape.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -32,7 +33,7 @@ constexpr std::array<double, 6> kBeside{1.3, 1.6, 2.0, 2.4, 2.8, 3.2};  // the n
 // P9 that is printed aside leaves paper in its place and ink on the opposite side of it, in radii of its own and in so
 // many directions; what hides it has both on the side that it comes from.
 constexpr double kInsideCentre = 0.8, kBesideCentre = 1.2;
-constexpr int kLeastAside = 2;
+constexpr int kLeastAside = 2, kAsideDirections = 12;
 // A dot may be hidden by something that is as white as paper; so many, each of them white all over, are not there.
 constexpr int kLeastBlank = 3;
 constexpr double kThere = 0.75;              // of its outline: a dot that is where it belongs
@@ -40,9 +41,9 @@ constexpr double kPaper = 0.15, kInk = 0.5;  // how much darker than paper, of t
 
 // Between P9 and the ring, in shares of the ring's radius: circles that are looked along, in so many directions, and
 // the two beside them on which a spot's directions are paper. P9 ends at 0.32, the ring's dots begin at 0.84.
-constexpr std::array<double, 4> kBetween{0.46, 0.54, 0.62, 0.70};
+constexpr std::array<double, 3> kBetween{0.48, 0.58, 0.68};
 constexpr double kBetweenInner = 0.40, kBetweenOuter = 0.77;
-constexpr int kAround = 32;
+constexpr std::size_t kAround = 24;
 constexpr double kSpot = 0.75;  // shadows are not as dark, in contrasts
 
 constexpr double kNoEdge = 3;  // sigmas of the blur from an outline: beyond, ink is ink
@@ -158,12 +159,13 @@ namespace {
 struct SheetLight {
   /// How much darker than paper a point of the sheet is, in contrasts; none: it is not in the picture.
   std::optional<double> darkness_at(const Eigen::Vector2d& plane_m) const noexcept {
-    const Eigen::Vector3d p = T_camera_landmark * Eigen::Vector3d(plane_m.x(), 0, plane_m.y());
+    const Eigen::Vector3d p = T_camera_landmark.rotation.col(0) * plane_m.x() +
+                              T_camera_landmark.rotation.col(2) * plane_m.y() + T_camera_landmark.translation_m;
     if (!(p.z() > 0)) return std::nullopt;
     const Eigen::Vector2d px = camera.pixel_from_normalised(p.hnormalized());
     if (!(px.x() >= 0 && px.y() >= 0 && px.x() <= luma.width_px - 1 && px.y() <= luma.height_px - 1))
       return std::nullopt;
-    const int grey_lsb = luma.at(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
+    const int grey_lsb = luma.at(static_cast<int>(px.x() + 0.5), static_cast<int>(px.y() + 0.5));
     return (fit.paper_lsb - grey_lsb) / fit.contrast_lsb;
   }
 
@@ -175,12 +177,12 @@ struct SheetLight {
 
 bool is_centre_aside(const SheetLight& light, const LandmarkGeometry& landmark) noexcept {
   int aside = 0;
-  for (int i = 0; i < kDirections; ++i) {
-    const double a_rad = i * 2 * std::numbers::pi / kDirections;
-    const Eigen::Vector2d radius = landmark.radius_m(kCentreDot) * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad));
+  const Eigen::Rotation2Dd on(2 * std::numbers::pi / kAsideDirections);
+  Eigen::Vector2d radius(landmark.radius_m(kCentreDot), 0);
+  for (int i = 0; i < kAsideDirections; ++i, radius = on * radius) {
     const auto inside = light.darkness_at(landmark.centre_m(kCentreDot) + kInsideCentre * radius);
-    const auto opposite = light.darkness_at(landmark.centre_m(kCentreDot) - kBesideCentre * radius);
-    aside += inside && std::abs(*inside) < kPaper && opposite > kInk;
+    aside += inside && std::abs(*inside) < kPaper &&
+             light.darkness_at(landmark.centre_m(kCentreDot) - kBesideCentre * radius) > kInk;
   }
   return aside >= kLeastAside;
 }
@@ -191,12 +193,11 @@ int count_hollow(const ImageView& luma, const CameraModel& camera, const Landmar
                  const CameraFromLandmark& T_camera_landmark, const std::array<double, kDotCount>& visible_share,
                  const OutlineFit& fit, double blur_px) noexcept {
   const SheetLight light{luma, camera, T_camera_landmark, fit};
+  // The short way across an inclined dot.
+  const double px_per_m = foreshortening(T_camera_landmark) * camera.fx_px / T_camera_landmark.translation_m.norm();
   int hollow = 0;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
-    // The short way across an inclined dot.
-    const double half_px = foreshortening(T_camera_landmark) * camera.fx_px * landmark.radius_m(dot) /
-                           T_camera_landmark.translation_m.norm();
-    if (visible_share[dot] < kMostly || half_px < kNoEdge * blur_px) continue;
+    if (visible_share[dot] < kMostly || px_per_m * landmark.radius_m(dot) < kNoEdge * blur_px) continue;
     const auto middle = light.darkness_at(landmark.centre_m(dot));
     hollow += middle && *middle < kInk;
   }
@@ -208,25 +209,29 @@ int count_spots(const ImageView& luma, const CameraModel& camera, const Landmark
                 const OutlineFit& fit) noexcept {
   if (!std::ranges::all_of(visible_share, [](double share) { return share >= kMostly; })) return 0;
   const SheetLight light{luma, camera, T_camera_landmark, fit};
+  std::array<Eigen::Vector2d, kAround> directions_m;  // as long as the ring's radius
+  directions_m[0] = {landmark.ring_radius_m, 0};
+  const Eigen::Rotation2Dd on(2 * std::numbers::pi / kAround);
+  for (std::size_t i = 1; i < kAround; ++i) directions_m[i] = on * directions_m[i - 1];
+  const auto has_ink = [&](const Eigen::Vector2d& direction_m) {
+    return std::ranges::any_of(kBetween, [&](double share) { return light.darkness_at(share * direction_m) > kSpot; });
+  };
+  if (std::ranges::none_of(directions_m, has_ink)) return 0;  // most landmarks
   enum class Seen { kPaper, kInk, kOther };
-  const auto seen_towards = [&](int direction) {
-    const double a_rad = direction * 2 * std::numbers::pi / kAround;
-    const auto at = [&](double share) {
-      return light.darkness_at(share * landmark.ring_radius_m * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad)));
-    };
-    const auto is_paper = [](const std::optional<double>& darkness) {
+  const auto seen_towards = [&](const Eigen::Vector2d& direction_m) {
+    const auto is_paper = [&](double share) {
+      const auto darkness = light.darkness_at(share * direction_m);
       return darkness && std::abs(*darkness) < kPaper;
     };
-    if (!is_paper(at(kBetweenInner)) || !is_paper(at(kBetweenOuter))) return Seen::kOther;
-    if (std::ranges::any_of(kBetween, [&](double share) { return at(share) > kSpot; })) return Seen::kInk;
-    return std::ranges::all_of(kBetween, [&](double share) { return is_paper(at(share)); }) ? Seen::kPaper
-                                                                                            : Seen::kOther;
+    if (!is_paper(kBetweenInner) || !is_paper(kBetweenOuter)) return Seen::kOther;
+    if (has_ink(direction_m)) return Seen::kInk;
+    return std::ranges::all_of(kBetween, is_paper) ? Seen::kPaper : Seen::kOther;
   };
   // A spot counts where paper follows on ink; directions between, on its blurred edge, change nothing.
   int spots = 0;
   bool on_ink = false;
-  for (int direction = 0; direction <= kAround; ++direction) {
-    const Seen seen = seen_towards(direction % kAround);
+  for (std::size_t i = 0; i <= kAround; ++i) {
+    const Seen seen = seen_towards(directions_m[i % kAround]);
     spots += on_ink && seen == Seen::kPaper;
     if (seen != Seen::kOther) on_ink = seen == Seen::kInk;
   }
