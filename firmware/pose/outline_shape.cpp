@@ -30,10 +30,10 @@ constexpr int kEnoughPixels = 60, kMostThinned = 4;
 constexpr int kDirections = 16, kLeastBare = 4, kLeastInked = 2;
 constexpr double kInside = 0.7;
 constexpr std::array<double, 6> kBeside{1.3, 1.6, 2.0, 2.4, 2.8, 3.2};  // the next dot begins at 3.8
-// P9 that is printed aside leaves paper in its place and ink on the opposite side of it, in radii of its own and in so
-// many directions; what hides it has both on the side that it comes from.
+// P9 that is printed aside leaves paper in its place and ink on the opposite side of it, in radii of its own; what
+// hides it has both on the side that it comes from.
 constexpr double kInsideCentre = 0.8, kBesideCentre = 1.2;
-constexpr int kLeastAside = 2, kAsideDirections = 12;
+constexpr int kAsideDirections = 12;
 // A dot may be hidden by something that is as white as paper; so many, each of them white all over, are not there.
 constexpr int kLeastBlank = 3;
 constexpr double kThere = 0.75;              // of its outline: a dot that is where it belongs
@@ -176,15 +176,15 @@ struct SheetLight {
 };
 
 bool is_centre_aside(const SheetLight& light, const LandmarkGeometry& landmark) noexcept {
-  int aside = 0;
   const Eigen::Rotation2Dd on(2 * std::numbers::pi / kAsideDirections);
   Eigen::Vector2d radius(landmark.radius_m(kCentreDot), 0);
   for (int i = 0; i < kAsideDirections; ++i, radius = on * radius) {
     const auto inside = light.darkness_at(landmark.centre_m(kCentreDot) + kInsideCentre * radius);
-    aside += inside && std::abs(*inside) < kPaper &&
-             light.darkness_at(landmark.centre_m(kCentreDot) - kBesideCentre * radius) > kInk;
+    if (inside && std::abs(*inside) < kPaper &&
+        light.darkness_at(landmark.centre_m(kCentreDot) - kBesideCentre * radius) > kInk)
+      return true;
   }
-  return aside >= kLeastAside;
+  return false;
 }
 
 }  // namespace
