@@ -165,7 +165,8 @@ struct SheetLight {
     const Eigen::Vector2d px = camera.pixel_from_normalised(p.hnormalized());
     if (!(px.x() >= 0 && px.y() >= 0 && px.x() <= luma.width_px - 1 && px.y() <= luma.height_px - 1))
       return std::nullopt;
-    const int grey_lsb = luma.at(static_cast<int>(px.x() + 0.5), static_cast<int>(px.y() + 0.5));
+    const Eigen::Vector2d from_corner_px = px.array() + 0.5;
+    const int grey_lsb = luma.at(static_cast<int>(from_corner_px.x()), static_cast<int>(from_corner_px.y()));
     return (fit.paper_lsb - grey_lsb) / fit.contrast_lsb;
   }
 
