@@ -39,10 +39,10 @@ constexpr int kLeastBlank = 3;
 constexpr double kThere = 0.75;              // of its outline: a dot that is where it belongs
 constexpr double kPaper = 0.15, kInk = 0.5;  // how much darker than paper, of the contrast
 
-// Between P9 and the ring, in shares of the ring's radius: circles that are looked along, in so many directions, and
-// the two beside them on which a spot's directions are paper. P9 ends at 0.32, the ring's dots begin at 0.84.
-constexpr std::array<double, 3> kBetween{0.48, 0.58, 0.68};
-constexpr double kBetweenInner = 0.40, kBetweenOuter = 0.77;
+// Of the blank paper's way from P9's outline to those of the ring: circles that are looked along, in so many
+// directions, and the two beside them on which a spot's directions are paper.
+constexpr std::array<double, 3> kBetween{0.31, 0.5, 0.69};
+constexpr double kBetweenInner = 0.16, kBetweenOuter = 0.86;
 constexpr std::size_t kAround = 24;
 constexpr double kSpot = 0.75;  // shadows are not as dark, in contrasts
 
@@ -210,29 +210,33 @@ int count_spots(const ImageView& luma, const CameraModel& camera, const Landmark
                 const OutlineFit& fit) noexcept {
   if (!std::ranges::all_of(visible_share, [](double share) { return share >= kMostly; })) return 0;
   const SheetLight light{luma, camera, T_camera_landmark, fit};
-  std::array<Eigen::Vector2d, kAround> directions_m;  // as long as the ring's radius
-  directions_m[0] = {landmark.ring_radius_m, 0};
+  std::array<Eigen::Vector2d, kAround> directions;
+  directions[0] = {1, 0};
   const Eigen::Rotation2Dd on(2 * std::numbers::pi / kAround);
-  for (std::size_t i = 1; i < kAround; ++i) directions_m[i] = on * directions_m[i - 1];
-  const auto has_ink = [&](const Eigen::Vector2d& direction_m) {
-    return std::ranges::any_of(kBetween, [&](double share) { return light.darkness_at(share * direction_m) > kSpot; });
+  for (std::size_t i = 1; i < kAround; ++i) directions[i] = on * directions[i - 1];
+  const double blank_m = landmark.ring_radius_m - landmark.dot_radius_m - landmark.centre_radius_m;
+  const auto radius_m = [&](double share) { return landmark.centre_radius_m + share * blank_m; };
+  const std::array<double, kBetween.size()> between_m{radius_m(kBetween[0]), radius_m(kBetween[1]),
+                                                      radius_m(kBetween[2])};
+  const auto has_ink = [&](const Eigen::Vector2d& direction) {
+    return std::ranges::any_of(between_m, [&](double r_m) { return light.darkness_at(r_m * direction) > kSpot; });
   };
-  if (std::ranges::none_of(directions_m, has_ink)) return 0;  // most landmarks
+  if (std::ranges::none_of(directions, has_ink)) return 0;  // most landmarks
   enum class Seen { kPaper, kInk, kOther };
-  const auto seen_towards = [&](const Eigen::Vector2d& direction_m) {
-    const auto is_paper = [&](double share) {
-      const auto darkness = light.darkness_at(share * direction_m);
+  const auto seen_towards = [&](const Eigen::Vector2d& direction) {
+    const auto is_paper = [&](double r_m) {
+      const auto darkness = light.darkness_at(r_m * direction);
       return darkness && std::abs(*darkness) < kPaper;
     };
-    if (!is_paper(kBetweenInner) || !is_paper(kBetweenOuter)) return Seen::kOther;
-    if (has_ink(direction_m)) return Seen::kInk;
-    return std::ranges::all_of(kBetween, is_paper) ? Seen::kPaper : Seen::kOther;
+    if (!is_paper(radius_m(kBetweenInner)) || !is_paper(radius_m(kBetweenOuter))) return Seen::kOther;
+    if (has_ink(direction)) return Seen::kInk;
+    return std::ranges::all_of(between_m, is_paper) ? Seen::kPaper : Seen::kOther;
   };
   // A spot counts where paper follows on ink; directions between, on its blurred edge, change nothing.
   int spots = 0;
   bool on_ink = false;
   for (std::size_t i = 0; i <= kAround; ++i) {
-    const Seen seen = seen_towards(directions_m[i % kAround]);
+    const Seen seen = seen_towards(directions[i % kAround]);
     spots += on_ink && seen == Seen::kPaper;
     if (seen != Seen::kOther) on_ink = seen == Seen::kInk;
   }

@@ -51,7 +51,6 @@ constexpr double kMostInwards = 1.2, kMostOutwards = 0.15, kMostOffset_px = 0.1,
 constexpr double kMostSize = 0.05, kMostSecond = 0.12, kMostFourth = 0.04, kMostAside = 0.2;
 // P9's size against the ring's dots': 0.024 at most where nothing moved; of a middle that is larger by half 0.3.
 constexpr double kMostCentreSize = 0.1;
-constexpr int kLeastSpots = 3;          // on blank paper: two may be dirt
 constexpr double kColouredSize = 0.04;  // beside kMostSize
 // Motion by 2 to 10 px leaves up to 0.29 (second) and 0.31 (P9's size) of dots of 3 to 4 px (120 rendered pictures):
 // less than so much beside the limits above, in shares of the blur's second harmonic; of P9's size only as far as the
@@ -66,6 +65,7 @@ constexpr double kDarkestInk_lsb = -10;
 // Of P9's outline. A straight edge that leaves five ring dots leaves two thirds of P9's outline, one that leaves four a
 // quarter: half of that, for the dots beside the edge count as whole when they are not quite.
 constexpr double kCentreBesideFive = 0.33, kCentreBesideFour = 0.12;
+constexpr int kLeastSpots = 3;               // on blank paper: two may be dirt
 constexpr double kWholeDot = 0.9;            // visible share: the dot counts as whole
 constexpr double kCentreOfWholeRing = 0.75;  // of P9's outline, where nothing hides a dot around it
 

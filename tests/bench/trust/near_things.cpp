@@ -192,8 +192,10 @@ void loudspeaker(Canvas& canvas, test::Random& random) {
   const double pitch = random.uniform(0.06, 0.14);
   double hole = pitch * random.uniform(0.15, 0.35);
   const double centre = hole * random.uniform(1, 2);
-  // The inner ring is not the landmark itself, whose dots have 0.159 of the ring's radius, and P9 twice that.
-  if (hole < 0.18 * pitch && centre > 1.75 * hole) hole = 0.18 * pitch;
+  // The inner ring is not to be the landmark itself.
+  const Ring own;
+  const double least_other = 1.13 * own.dot * pitch;
+  if (hole < least_other && centre > 0.875 * own.centre / own.dot * hole) hole = least_other;
   canvas.disc(0, 0, centre, tones.dark);
   for (int ring = 1; ring < 7; ++ring) {
     const int holes = 8 * ring;
