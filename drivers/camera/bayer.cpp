@@ -112,7 +112,7 @@ void BayerDeveloper::develop(const std::uint8_t* mosaic, std::size_t stride_byte
 ChromaView BayerDeveloper::chroma_of(const std::uint8_t* picture) const noexcept {
   const std::uint8_t* const chroma = picture + luma_bytes();
   const auto across = static_cast<int>(cells_across());
-  return {chroma, chroma + 1, across, static_cast<int>(cells_down()), 2, 2 * std::ptrdiff_t{across}, true};
+  return {chroma, chroma + 1, across, static_cast<int>(cells_down()), 2, 2 * std::ptrdiff_t{across}};
 }
 
 std::size_t bayer_row_bytes(const BayerLayout& layout, std::size_t width_px) noexcept {

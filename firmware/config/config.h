@@ -79,7 +79,7 @@ struct EllipseConfig {
 struct TrackConfig {
   double acceleration_sigma_m_s2 = 0.3;           ///< `acceleration_sigma_m_s2`: 0.001..100; 1-sigma, each axis
   double angular_acceleration_sigma_deg_s2 = 60;  ///< `angular_acceleration_sigma_deg_s2`: 0.1..100000; likewise
-  double common_share = 0.5;  ///< `common_share`: 0..0.9; of a frame's variance, what it shares with the next one
+  double common_share = 0.2;  ///< `common_share`: 0..0.9; of a frame's variance, what it shares with the next one
 };
 
 /// [body]: where the camera sits on the robot; all zero = it is the body's origin and looks along x

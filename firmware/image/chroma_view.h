@@ -26,7 +26,6 @@ struct ChromaView {
   int width = 0, height = 0;        ///< [samples]
   std::ptrdiff_t step_bytes = 0;    ///< from one sample to the next in its row
   std::ptrdiff_t stride_bytes = 0;  ///< from one row to the next
-  bool luma_is_balanced = false;    ///< the luma beside it is not BT.601's but (R + 2 G + B) / 4 (bayer_luma.h)
 
   std::uint8_t cb_at(int x, int y) const noexcept { return cb[y * stride_bytes + x * step_bytes]; }
   std::uint8_t cr_at(int x, int y) const noexcept { return cr[y * stride_bytes + x * step_bytes]; }

@@ -28,8 +28,7 @@ LandmarkSeeker::LandmarkSeeker(const CameraModel& camera, const SeekerOptions& o
       camera_(camera),
       detector_(camera, options.landmark, options.detector),
       full_(camera, options.landmark, options.has_map ? kInRooms : FullSolverOptions{}),
-      ellipse_(camera, options.landmark, options.ellipse),
-      bayer_luma_(options.has_map ? camera.width_px : 0, options.has_map ? camera.height_px : 0) {}
+      ellipse_(camera, options.landmark, options.ellipse) {}
 
 void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget,
                            const std::optional<CameraTwist>& twist) noexcept {
@@ -38,7 +37,8 @@ void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget,
   row_time_s_ = std::chrono::duration<double>(row_time).count();
   twist_ = twist;
   noise_ = PictureNoise(frame.luma);
-  outline_luma_ = options_.has_map ? bayer_luma_.of(frame.luma, frame.chroma) : frame.luma;
+  luma_ = frame.luma;
+  luma_.has_pattern = !frame.chroma.empty();
   budget_ = budget;
   misfit_.reset();
   look_alike_px_ = 0;
@@ -91,7 +91,7 @@ Result<std::size_t> LandmarkSeeker::follow_outlines(const Frame& frame, Track& t
   if (options_.solver != Solver::kFull || !track.may_follow_outlines()) return untrackable;
   const CameraFromLandmark expected = track.expected_at(frame.exposed_at());
   const RowMotion motion = motion_of(track, expected.translation_m, false);
-  NINEDOT_TRY(candidates_, full_.follow(outline_luma_, expected, *track.prior(), budget_.pixels, motion.sheet));
+  NINEDOT_TRY(candidates_, full_.follow(luma_, expected, *track.prior(), budget_.pixels, motion.sheet));
   const PoseCandidate& followed = candidates_.list[0];
   if (!track.accepts(followed, frame.exposed_at()) || !fits_picture(followed, noise_, allowance(true)))
     return fail(Errc::kNoLandmark, "the landmark is not as it was");
@@ -136,7 +136,7 @@ Result<std::size_t> LandmarkSeeker::solve(const Frame& frame, const LandmarkObse
   const double scale = 0.5 * (seen.H_ray_plane.col(0).norm() + seen.H_ray_plane.col(1).norm());
   const RowMotion motion = motion_of(track, seen.H_ray_plane.col(2) / scale, !seen.from_pose);
   const auto answer =
-      full ? full_.solve(outline_luma_, seen, prior, budget_.pixels, motion.sheet) : ellipse_.solve(seen);
+      full ? full_.solve(luma_, seen, prior, budget_.pixels, motion.sheet) : ellipse_.solve(seen);
   if (!answer) {
     if (answer.error().code == Errc::kPoseDegenerate) track.see(seen);
     return tl::unexpected<Error>(answer.error());
@@ -145,7 +145,7 @@ Result<std::size_t> LandmarkSeeker::solve(const Frame& frame, const LandmarkObse
   const PoseCandidate& best = candidates_.list[0];
   // The closed form looks at centres alone: whether there are outlines of a landmark is asked of the picture apart.
   const Result<PoseCandidate> examined =
-      full ? best : full_.examine(outline_luma_, best.pose.T_landmark_camera.inverse(), budget_.pixels, motion.sheet);
+      full ? best : full_.examine(luma_, best.pose.T_landmark_camera.inverse(), budget_.pixels, motion.sheet);
   const bool is_guess = !options_.has_map && !is_foretold;
   // Wallpaper, perforated sheet: what is too small to be told from a landmark is more of what was near enough.
   const bool is_one_of_many = is_guess && examined && examined->dot_radius_px < kAsLarge * look_alike_px_;

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "detect/detector.h"
-#include "image/bayer_luma.h"
 #include "image/frame.h"
 #include "image/noise.h"
 #include "pipeline/sighting_uncertainty.h"
@@ -99,13 +98,12 @@ class LandmarkSeeker {
   Detector detector_;
   FullSolver full_;
   EllipseSolver ellipse_;
-  BayerLuma bayer_luma_;
   // Of the frame under way.
   MonoTime frame_at_{};
   double row_time_s_ = 0;
   std::optional<CameraTwist> twist_;
   PictureNoise noise_;
-  ImageView outline_luma_;  ///< in rooms the one in which a colour camera's pattern hides least
+  ImageView luma_;  ///< with what is known of its pattern
   WorkBudget budget_;
   PoseCandidates candidates_;
   RowMotion row_motion_;

@@ -74,8 +74,9 @@ RoomLocaliser::UsedSightings::UsedSightings(const WorldPose& world, std::span<co
     if (verdict.use != SightingUse::kUsed || !verdict.landmark) continue;
     const MappedLandmark& landmark = map.landmarks()[*verdict.landmark];
     const int turn = static_cast<int>(verdict.turn);
-    numbered[i] = {landmark.id, renumbered(sighted[i].sighting.T_camera_landmark, turn),
-                   renumbered(sighted[i].sighting.dots, turn)};
+    const LandmarkSighting& seen = sighted[i].sighting;
+    numbered[i] = {landmark.id, renumbered(seen.T_camera_landmark, turn), renumbered(seen.dots, turn),
+                   seen.turn_sigma_rad};
     (void)members.try_push_back({&numbered[i], landmark.T_world_landmark, &landmark.covariance});
   }
 }

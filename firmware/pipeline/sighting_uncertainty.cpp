@@ -17,7 +17,7 @@ double since_s(const RowUncertainty& rows, double row_px) noexcept {
 void widen(LandmarkSighting& sighting, const RowUncertainty& rows, const CameraModel& camera) noexcept {
   if (rows.row_time_s == 0 || rows.rate_sigma_rad_s == 0) return;
   const double row_px = camera.pixel_from_normalised(sighting.T_camera_landmark.translation_m.hnormalized()).y();
-  const double common = rows.rate_sigma_rad_s * since_s(rows, row_px);
+  sighting.turn_sigma_rad = rows.rate_sigma_rad_s * std::abs(since_s(rows, row_px));
   int seen = 0;
   for (const DotSighting& dot : sighting.dots) seen += !dot.information.isZero(0);
   for (DotSighting& dot : sighting.dots) {
@@ -25,7 +25,7 @@ void widen(LandmarkSighting& sighting, const RowUncertainty& rows, const CameraM
     const double dot_row_px = camera.pixel_from_normalised(dot.ray).y();
     const double own = rows.rate_sigma_rad_s * (dot_row_px - row_px) * rows.row_time_s;
     // (A^-1 + v 1)^-1 = (1 + v A)^-1 A; as often as there are dots, since the sum over them takes it for their own.
-    const double variance = seen * (common * common + own * own);
+    const double variance = seen * own * own;
     dot.information = (Eigen::Matrix2d::Identity() + variance * dot.information).inverse() * dot.information;
   }
 }

@@ -17,7 +17,8 @@ struct RowUncertainty {
   double middle_row_px = 0;
 };
 
-/// Makes the rays less certain. A shift is common to all dots of a landmark: nine of them do not average it away.
+/// The turn between the middle row and the landmark's is the sighting's own; by what its rows differ among themselves
+/// makes each ray less certain. Nine dots do not average it away.
 /// Memory: none. Threads: pure.
 void widen(LandmarkSighting& sighting, const RowUncertainty& rows, const CameraModel& camera) noexcept;
 

@@ -108,8 +108,8 @@ BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& la
   }
 }
 
-template <bool kWithColumns>
-void BlurredDisc::sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes& share,
+template <bool kWithShare, bool kWithMoves, bool kWithBlur>
+void BlurredDisc::sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes* share,
                          std::array<Lanes, kMoveColumns>* by_moves,
                          std::array<Lanes, kBlurColumns>* by_blur) const noexcept {
   const float xx = sigma_per_ray_(0, 0), xy = sigma_per_ray_(0, 1), yx = sigma_per_ray_(1, 0),
@@ -128,27 +128,35 @@ void BlurredDisc::sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes& share,
     for (std::size_t l = 0; l < kLanes; ++l) {
       const float dx = node.x - x[l], dy = node.y - y[l], t = 0.5F * (dx * dx + dy * dy) + kNotAtNode;
       const float e = exp_of_negative(-t);
-      sum[l] += (1 - e) / t * (dx * node.part_y - dy * node.part_x);
+      if constexpr (kWithShare) sum[l] += (1 - e) / t * (dx * node.part_y - dy * node.part_x);
       weight[l] = e, along_x[l] = e * dx, along_y[l] = e * dy;
     }
-    if constexpr (!kWithColumns) continue;
-    for (std::size_t c = 0; c < kMoveColumns; ++c)
-      for (std::size_t l = 0; l < kLanes; ++l) moves[c][l] -= weight[l] * node.moves[c];
-    for (std::size_t k = 0; k < kBlurColumns; ++k)
-      for (std::size_t l = 0; l < kLanes; ++l) blur[k][l] += along_x[l] * node.blur_x[k] + along_y[l] * node.blur_y[k];
+    if constexpr (kWithMoves)
+      for (std::size_t c = 0; c < kMoveColumns; ++c)
+        for (std::size_t l = 0; l < kLanes; ++l) moves[c][l] -= weight[l] * node.moves[c];
+    if constexpr (kWithBlur)
+      for (std::size_t k = 0; k < kBlurColumns; ++k)
+        for (std::size_t l = 0; l < kLanes; ++l)
+          blur[k][l] += along_x[l] * node.blur_x[k] + along_y[l] * node.blur_y[k];
   }
-  share = sum;
-  if constexpr (kWithColumns) *by_moves = moves, *by_blur = blur;
+  if constexpr (kWithShare) *share = sum;
+  if constexpr (kWithMoves) *by_moves = moves;
+  if constexpr (kWithBlur) *by_blur = blur;
 }
 
 void BlurredDisc::ink_share(const Lanes& ray_x, const Lanes& ray_y, Lanes& share) const noexcept {
-  sum_up<false>(ray_x, ray_y, share, nullptr, nullptr);
+  sum_up<true, false, false>(ray_x, ray_y, &share, nullptr, nullptr);
 }
 
 void BlurredDisc::ink_share(const Lanes& ray_x, const Lanes& ray_y, Lanes& share,
                             std::array<Lanes, kMoveColumns>& by_moves,
                             std::array<Lanes, kBlurColumns>& by_blur) const noexcept {
-  sum_up<true>(ray_x, ray_y, share, &by_moves, &by_blur);
+  sum_up<true, true, true>(ray_x, ray_y, &share, &by_moves, &by_blur);
+}
+
+void BlurredDisc::ink_by_blur(const Lanes& ray_x, const Lanes& ray_y,
+                              std::array<Lanes, kBlurColumns>& by_blur) const noexcept {
+  sum_up<false, false, true>(ray_x, ray_y, nullptr, nullptr, &by_blur);
 }
 
 }  // namespace ninedot

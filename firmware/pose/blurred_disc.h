@@ -55,6 +55,10 @@ class BlurredDisc {
   void ink_share(const Lanes& ray_x, const Lanes& ray_y, Lanes& share, std::array<Lanes, kMoveColumns>& by_moves,
                  std::array<Lanes, kBlurColumns>& by_blur) const noexcept;
 
+  /// By the blur alone.
+  /// \param ray_x  likewise [1] \param ray_y  likewise [1] \param by_blur  likewise [1/px^2] \pre not kLightOnly
+  void ink_by_blur(const Lanes& ray_x, const Lanes& ray_y, std::array<Lanes, kBlurColumns>& by_blur) const noexcept;
+
  private:
   static constexpr std::size_t kMaxNodes = 13;
   /// A point of the outline, with the part of it for which it stands.
@@ -64,8 +68,8 @@ class BlurredDisc {
     std::array<float, kMoveColumns> moves;  ///< the area that each sweeps [sigma^2 per unit], over 2 pi
     std::array<float, kBlurColumns> blur_x, blur_y;
   };
-  template <bool kWithColumns>
-  void sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes& share, std::array<Lanes, kMoveColumns>* by_moves,
+  template <bool kWithShare, bool kWithMoves, bool kWithBlur>
+  void sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes* share, std::array<Lanes, kMoveColumns>* by_moves,
               std::array<Lanes, kBlurColumns>* by_blur) const noexcept;
 
   std::size_t count_ = 0;

@@ -110,78 +110,96 @@ void fill_small(const Pixels& some, const BlurredDisc& disc, OutlineColumns& col
   if constexpr (kAsked == Asked::kLightOnly) {
     disc.ink_share(some.ray_x, some.ray_y, share);
   } else {
+    Lanes* const by_state = &columns[kStateColumn];
     std::array<Lanes, kMoveColumns> moves;
     std::array<Lanes, kBlurColumns> blur;
     disc.ink_share(some.ray_x, some.ray_y, share, moves, blur);
     for (std::size_t i = 0; i < kMoveColumns; ++i)
-      for (std::size_t l = 0; l < kLanes; ++l) columns[i][l] = moves[i][l] * some.there[l];
+      for (std::size_t l = 0; l < kLanes; ++l) by_state[i][l] = moves[i][l] * some.there[l];
     for (std::size_t k = 0; k < kBlurColumns; ++k)
-      for (std::size_t l = 0; l < kLanes; ++l) columns[kMoveColumns + k][l] = blur[k][l] * some.there[l];
+      for (std::size_t l = 0; l < kLanes; ++l) by_state[kMoveColumns + k][l] = blur[k][l] * some.there[l];
   }
   for (std::size_t l = 0; l < kLanes; ++l) columns[kInkColumn][l] = share[l] * some.there[l];
 }
+
+/// How the blurred outline of a dot looks from one pixel.
+struct Profile {
+  // A Gaussian blur along the outline reaches over its bend: with the curvature k in units of the blur, the edge is met
+  // by t^2 k / 2 + t^4 k^3 / 8 earlier at t along the tangent, t normal; of that the mean and the variance count. The
+  // blur along is taken as that across: what differs of it, of a blur that is wider one way, made tone curves and
+  // shadows look like a tilt (recordings of a moving camera).
+  Profile(const DotView& v, float mx, float my) noexcept {
+    const float depth = 1 / (v.inverse_depth.x() * mx + v.inverse_depth.y() * my + v.inverse_depth.z());
+    A = (v.rX.x() * mx + v.rX.y() * my + v.rX.z()) * depth;
+    B = (v.rZ.x() * mx + v.rZ.y() * my + v.rZ.z()) * depth;
+    const float x = A - v.middle.x(), z = B - v.middle.y();
+    const float rho = std::sqrt(x * x + z * z + kNotAtCentre_m2), per_rho = 1 / rho;
+    eX = x * per_rho, eZ = z * per_rho;
+    along = (eX * A + eZ * B) * v.per_height;
+    // In units of the depth.
+    const float gradient_x = eX * v.px_X.x() + eZ * v.px_Z.x() - along * v.px_n.x();
+    const float gradient_y = eX * v.px_X.y() + eZ * v.px_Z.y() - along * v.px_n.y();
+    const float steep2 = gradient_x * gradient_x + gradient_y * gradient_y;
+    const float steep = std::sqrt(steep2);
+    per_slope = 1 / (steep * depth);
+    blur = blur_along(v, gradient_x, gradient_y, steep2);
+    const float bent = blur.sigma_px * v.bend * (depth * depth * depth) / (steep2 * steep);
+    k1 = bent < 1 ? bent : 1, k2 = 0.5F * k1 * k1;
+    narrowing = 1 / std::sqrt(1 + k2);
+    straight = ((rho - v.radius_m) * per_slope - v.offset_px) * blur.per_px;
+    met = straight + k1 * (0.5F + 0.75F * k2);
+    distance = met * narrowing;
+  }
+
+  /// What more blur across the outline and what more along it do, which reaches over the bend, in units that both
+  /// share.
+  float across() const noexcept { return straight + met * k2 * (narrowing * narrowing); }
+  float over_bend() const noexcept { return k1 * (0.5F + 2.25F * k2); }
+
+  float A, B, eX, eZ;  ///< on the sheet's axes [m], and the direction from the dot's middle [1]
+  float along;         ///< by which moves along the ray count [1]
+  float per_slope;     ///< 1 / |grad| [px / m]
+  Blur blur;
+  float k1, k2, narrowing, straight, met;
+  float distance;  ///< signed, in units of the blur
+};
 
 /// Of an outline that is long beside its blur: the profile across it.
 template <Asked kAsked>
 void fill_profile(const Pixels& some, const DotView& v, OutlineColumns& columns) noexcept {
   constexpr auto kPerLever = static_cast<float>(1 / kLever_m);
+  Lanes* const by_state = &columns[kStateColumn];
   for (std::size_t l = 0; l < kLanes; ++l) {
-    const float mx = some.ray_x[l], my = some.ray_y[l];
-    const float depth = 1 / (v.inverse_depth.x() * mx + v.inverse_depth.y() * my + v.inverse_depth.z());
-    const float A = (v.rX.x() * mx + v.rX.y() * my + v.rX.z()) * depth;
-    const float B = (v.rZ.x() * mx + v.rZ.y() * my + v.rZ.z()) * depth;
-    const float x = A - v.middle.x(), z = B - v.middle.y();
-    const float rho = std::sqrt(x * x + z * z + kNotAtCentre_m2), per_rho = 1 / rho;
-    const float eX = x * per_rho, eZ = z * per_rho;
-    const float along = (eX * A + eZ * B) * v.per_height;
-    // In units of the depth.
-    const float gradient_x = eX * v.px_X.x() + eZ * v.px_Z.x() - along * v.px_n.x();
-    const float gradient_y = eX * v.px_X.y() + eZ * v.px_Z.y() - along * v.px_n.y();
-    const float steep2 = gradient_x * gradient_x + gradient_y * gradient_y;
-    const float steep = std::sqrt(steep2), per_slope = 1 / (steep * depth);  // slope: |grad| [m / px]
-
-    // How the blurred outline looks here. A Gaussian blur along it reaches over its bend: with the curvature k in
-    // units of the blur, the edge is met by t^2 k / 2 + t^4 k^3 / 8 earlier at t along the tangent, t normal; of that
-    // the mean and the variance count. The blur along is taken as that across: what differs of it, of a blur that is
-    // wider one way, made tone curves and shadows look like a tilt (recordings of a moving camera).
-    const auto [sigma_px, per_px, cos2, sin2] = blur_along(v, gradient_x, gradient_y, steep2);
-    const float bent = sigma_px * v.bend * (depth * depth * depth) / (steep2 * steep);
-    const float k1 = bent < 1 ? bent : 1, k2 = 0.5F * k1 * k1;
-    const float narrowing = 1 / std::sqrt(1 + k2);
-    const float straight = ((rho - v.radius_m) * per_slope - v.offset_px) * per_px;
-    const float met = straight + k1 * (0.5F + 0.75F * k2);
-    const float distance = met * narrowing;  // signed, in units of the blur
-
-    const auto [density, tail] = normal_tail(distance);
-    columns[kInkColumn][l] = (distance > 0 ? tail : 1 - tail) * some.there[l];
+    const Profile p(v, some.ray_x[l], some.ray_y[l]);
+    const auto [density, tail] = normal_tail(p.distance);
+    columns[kInkColumn][l] = (p.distance > 0 ? tail : 1 - tail) * some.there[l];
     if constexpr (kAsked == Asked::kLightOnly) continue;
 
-    const float darker = -density * narrowing * per_px * some.there[l];  // per px outwards, for contrast 1
+    const float darker = -density * p.narrowing * p.blur.per_px * some.there[l];  // per px outwards, for contrast 1
     if constexpr (kAsked == Asked::kState) {
-      const float per_move = darker * per_slope, per_turn = per_move * kPerLever;
-      const float X = A - v.origin.x(), Z = B - v.origin.y(), tilt = along * per_turn;
-      columns[0][l] = tilt * Z;
-      columns[1][l] = (Z * eX - X * eZ) * per_turn;
-      columns[2][l] = -tilt * X;
-      columns[3][l] = eX * per_move;
-      columns[4][l] = -along * per_move;
-      columns[5][l] = eZ * per_move;
-      columns[6][l] = darker;
+      const float per_move = darker * p.per_slope, per_turn = per_move * kPerLever;
+      const float X = p.A - v.origin.x(), Z = p.B - v.origin.y(), tilt = p.along * per_turn;
+      by_state[0][l] = tilt * Z;
+      by_state[1][l] = (Z * p.eX - X * p.eZ) * per_turn;
+      by_state[2][l] = -tilt * X;
+      by_state[3][l] = p.eX * per_move;
+      by_state[4][l] = -p.along * per_move;
+      by_state[5][l] = p.eZ * per_move;
+      by_state[6][l] = darker;
     } else {
-      const float c2 = eX * eX - eZ * eZ, s2 = 2 * eX * eZ;
-      columns[0][l] = darker;
-      columns[1][l] = eX * darker;
-      columns[2][l] = eZ * darker;
-      columns[3][l] = c2 * darker;
-      columns[4][l] = s2 * darker;
-      columns[5][l] = (c2 * c2 - s2 * s2) * darker;
-      columns[6][l] = 2 * c2 * s2 * darker;
+      const float c2 = p.eX * p.eX - p.eZ * p.eZ, s2 = 2 * p.eX * p.eZ;
+      by_state[0][l] = darker;
+      by_state[1][l] = p.eX * darker;
+      by_state[2][l] = p.eZ * darker;
+      by_state[3][l] = c2 * darker;
+      by_state[4][l] = s2 * darker;
+      by_state[5][l] = (c2 * c2 - s2 * s2) * darker;
+      by_state[6][l] = 2 * c2 * s2 * darker;
     }
-    const float wider = darker * (0.5F * per_px) *
-                        (straight + met * k2 * (narrowing * narrowing) - k1 * (0.5F + 2.25F * k2));  // per px^2
-    columns[7][l] = wider;
-    columns[8][l] = wider * cos2;
-    columns[9][l] = wider * sin2;
+    const float wider = darker * (0.5F * p.blur.per_px) * (p.across() - p.over_bend());  // per px^2
+    by_state[7][l] = wider;
+    by_state[8][l] = wider * p.blur.cos2;
+    by_state[9][l] = wider * p.blur.sin2;
   }
 }
 
@@ -249,6 +267,36 @@ void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const 
       return fill<Asked::kState>(pixels, group, view, disc, range, batches);
     case Asked::kShape:
       return fill<Asked::kShape>(pixels, group, view, disc, range, batches);
+  }
+}
+
+// Half of the second derivatives of the grey level, all together and along x less along y, change sign from one column
+// or row of the picture to the next.
+void fill_pattern_columns(const OutlinePixels& pixels, const DotView& dot_view, const BlurredDisc& disc,
+                          PixelRange range, ColumnBatches& batches) noexcept {
+  const DotView v = dot_view;  // NOLINT(performance-unnecessary-copy-initialization): as in fill()
+  for (std::size_t batch = 0; batch * kLanes < range.count; ++batch) {
+    const Pixels some(pixels, range.first + batch * kLanes * range.every,
+                      std::min(kLanes, range.count - batch * kLanes), range.every);
+    std::array<Lanes, kBlurColumns> by_blur;
+    Lanes &wider = by_blur[0], &longer = by_blur[1];
+    if (disc.is_small()) {
+      disc.ink_by_blur(some.ray_x, some.ray_y, by_blur);
+    } else {
+      for (std::size_t l = 0; l < kLanes; ++l) {
+        const Profile p(v, some.ray_x[l], some.ray_y[l]);
+        const float darker = -normal_tail(p.distance).density * p.narrowing * (0.5F * p.blur.per_px * p.blur.per_px);
+        wider[l] = darker * (p.across() - p.over_bend());
+        longer[l] = darker * (p.across() + p.over_bend()) * p.blur.cos2;
+      }
+    }
+    OutlineColumns& columns = batches[batch];
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const float column = (static_cast<std::int32_t>(some.x_px[l]) & 1) != 0 ? -some.there[l] : some.there[l];
+      const float row = (static_cast<std::int32_t>(some.y_px[l]) & 1) != 0 ? -some.there[l] : some.there[l];
+      columns[0][l] = column * wider[l], columns[1][l] = row * wider[l];
+      columns[2][l] = column * longer[l], columns[3][l] = row * longer[l];
+    }
   }
 }
 

@@ -3,8 +3,9 @@
 ///
 /// METHOD, section 3: I = paper + (ink - paper) Phi(-d / s), d the signed distance to a projected disc's outline [px].
 /// Unknown everywhere: six of pose, a common offset of all outlines (tone curves), three of the blur (it may be wider
-/// in one direction: motion). Unknown in each group: paper, ink, what lies beyond the paper, and the light's slope;
-/// these are linear, and outline_sums.h eliminates them.
+/// in one direction: motion). Unknown in each group: paper, ink, what lies beyond the paper, the light's slope, and of
+/// a colour camera how its pattern changes the blur from pixel to pixel; these are linear, and outline_sums.h
+/// eliminates them.
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
@@ -17,12 +18,15 @@
 
 namespace ninedot {
 
-/// The columns: the unknowns' derivatives for contrast 1 [1/m] (pose), [1/px] (offset), [1/px^2] (blur); the grey level
-/// [LSB]; then the group's own [1], so that a group without the last ones ends earlier.
-inline constexpr std::size_t kGreyColumn = kUnknowns;
-inline constexpr std::size_t kPaperColumn = kUnknowns + 1, kInkColumn = kUnknowns + 2, kBeyondColumn = kUnknowns + 3,
-                             kSlopeXColumn = kUnknowns + 4, kSlopeYColumn = kUnknowns + 5;
-inline constexpr std::size_t kColumns = kUnknowns + 6;
+/// The columns: the pattern's [1/px^2]; the unknowns' derivatives for contrast 1 [1/m] (pose), [1/px]
+/// (offset), [1/px^2] (blur); the grey level [LSB]; then the light's [1], so that a group without the last ones ends
+/// earlier.
+inline constexpr std::size_t kPatternColumns = 4;
+inline constexpr std::size_t kStateColumn = kPatternColumns, kGreyColumn = kStateColumn + kUnknowns;
+inline constexpr std::size_t kPaperColumn = kGreyColumn + 1, kInkColumn = kGreyColumn + 2,
+                             kBeyondColumn = kGreyColumn + 3, kSlopeXColumn = kGreyColumn + 4,
+                             kSlopeYColumn = kGreyColumn + 5;
+inline constexpr std::size_t kColumns = kGreyColumn + 6;
 using OutlineColumns = std::array<Lanes, kColumns>;
 /// So many are filled at a time: a small dot's pixels are through in one go, and the buffer stays in the nearest cache.
 inline constexpr std::size_t kMaxBatches = 8;
@@ -56,11 +60,21 @@ struct PixelRange {
 
 /// Evaluates some pixels of a group, kLanes to a batch; lanes beyond the last are zero. Grey levels are less the
 /// group's first one: sums of squares stay small. The pose's unknowns are along the axes of the sheet: X, normal, Z
-/// (they are the columns of `T_camera_landmark.rotation`), where they are cheapest. \param asked  kLightOnly: the
-/// columns before kGreyColumn are not touched. kShape: those of pose and offset say how the grey levels change when the
+/// (they are the columns of `T_camera_landmark.rotation`), where they are cheapest. \param asked  kLightOnly: without
+/// those of the state. kShape: those of pose and offset say how the grey levels change when the
 /// outline moves out by h(angle) [px], where h is each of 1, cos, sin of the angle on the sheet, of twice and of four
 /// times the angle [1/px]. Memory: none. Threads: pure.
 void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, const BlurredDisc& disc,
                   PixelRange range, Asked asked, ColumnBatches& batches) noexcept;
+
+/// Fills the columns of a colour camera's pattern, and no others. Interpolation blurs each colour most where it is not
+/// seen: by half a pixel squared more or less, all ways where red and blue are, along or across where green is, at
+/// every second column and row. What that is of luma depends on the ink. So the columns say how the grey levels change
+/// with a blur that is wider at even columns of the picture than at odd ones, likewise at rows, and the same of its
+/// second harmonic along the picture's axes.
+/// \param view  of before_interpolation() \param disc  likewise, not kLightOnly
+/// Memory: none. Threads: pure.
+void fill_pattern_columns(const OutlinePixels& pixels, const DotView& view, const BlurredDisc& disc, PixelRange range,
+                          ColumnBatches& batches) noexcept;
 
 }  // namespace ninedot

@@ -329,6 +329,7 @@ void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, co
   out.count = 0;
   out.groups.clear();
   out.visible_outlines = 0;
+  out.has_pattern = luma.has_pattern;
   std::array<DotEllipse, kDotCount> ellipses;
   std::array<bool, kDotCount> in_front{};
   std::array<RowShift, kDotCount> shifts;

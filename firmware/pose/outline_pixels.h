@@ -46,6 +46,7 @@ struct OutlinePixels {
     std::uint8_t sector;
   };
   std::vector<Candidate> candidates;
+  bool has_pattern = false;  ///< ImageView::has_pattern of the picture
   int visible_outlines = 0;  ///< dots of which at least a part lies inside the picture
 };
 

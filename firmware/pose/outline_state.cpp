@@ -12,6 +12,8 @@ constexpr double kMinBlur_px2 = 0.12;
 constexpr double kMaxBlur_px2 = 25;
 // What is left of the smallest blur across its narrow direction.
 constexpr double kNarrowShare = 0.8;
+// Of the variance, what a triangle over the neighbours adds in the mean over the pattern, each way.
+constexpr double kInterpolated_px2 = 0.5;
 
 }  // namespace
 
@@ -26,6 +28,13 @@ void OutlineState::apply(const UnknownVector& step) noexcept {
   const double harmonic = std::hypot(blur_cos_px2, blur_sin_px2);
   const double most = blur_px2 - kNarrowShare * kMinBlur_px2;
   if (harmonic > most) blur_cos_px2 *= most / harmonic, blur_sin_px2 *= most / harmonic;
+}
+
+OutlineState before_interpolation(const OutlineState& state) noexcept {
+  OutlineState before = state;
+  before.offset_px = 0;
+  before.apply(-kInterpolated_px2 * UnknownVector::Unit(kPoseUnknowns + 1));
+  return before;
 }
 
 }  // namespace ninedot

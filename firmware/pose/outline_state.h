@@ -29,4 +29,8 @@ struct OutlineState {
   void apply(const UnknownVector& step) noexcept;
 };
 
+/// The picture that a colour camera's pattern was laid over: before interpolation blurred it, and before a tone curve
+/// moved its edges. Memory: none. Threads: pure.
+OutlineState before_interpolation(const OutlineState& state) noexcept;
+
 }  // namespace ninedot

@@ -6,8 +6,8 @@
 #include <opencv2/core/hal/intrin.hpp>
 #include <utility>
 
-// Sums of products of all columns, pixels in the nearest cache; then Gaussian elimination of the group's own columns
-// from the end. Only lower triangles are kept.
+// Sums of products of all columns, pixels in the nearest cache; then Gaussian elimination of the group's own columns:
+// the light's from the end, then the pattern's at the beginning. Only lower triangles are kept.
 
 namespace ninedot {
 namespace {
@@ -18,17 +18,29 @@ constexpr int kLeastFreedom = 4;
 constexpr double kLeastPaper_px2 = 0.5, kLeastInk_px2 = 0.3;
 /// What the pixels say nothing of stays zero: a thousandth of a pixel that says so.
 constexpr double kRidge_px2 = 1e-3;
+/// Prior of the pattern: 1-sigma of what an interpolation by neighbours leaves in luma, in any ink (0.05 to 0.1).
+/// [px^2]
+constexpr double kPatternSigma_px2 = 0.1;
+constexpr double kRounding_lsb2 = 1.0 / 12;  // of whole grey levels
+
+double square(double x) noexcept { return x * x; }
 
 /// Sums of products of columns: everything that a step needs. Lower triangle.
 using ProductSums = std::array<std::array<double, kColumns>, kColumns>;
 
-/// Adds the products of the columns [first, end) with each other, of so many batches: as a constant it leaves each
-/// product one run of instructions.
+/// Some columns, one after another.
+struct ColumnRange {
+  std::size_t first, end;
+};
+
+/// Adds the products of `rows` with those of `columns` that do not come after them, of so many batches: as a constant
+/// it leaves each product one run of instructions.
 template <std::size_t kBatches>
-void add_products(const ColumnBatches& batches, std::size_t first, std::size_t end, ProductSums& sums) noexcept {
-  for (std::size_t i = first; i < end; ++i) {
+void add_products(const ColumnBatches& batches, ColumnRange rows, ColumnRange columns, ProductSums& sums) noexcept {
+  for (std::size_t i = rows.first; i < rows.end; ++i) {
     const float* a = batches[0][i].data();
-    for (std::size_t j = first; j <= i; ++j) {
+    const std::size_t end = std::min(i + 1, columns.end);
+    for (std::size_t j = columns.first; j < end; ++j) {
       const float* b = batches[0][j].data();
       cv::v_float32x4 sum = cv::v_setzero_f32();
       for (std::size_t half = 0; half < 2 * kBatches; ++half) {
@@ -40,7 +52,7 @@ void add_products(const ColumnBatches& batches, std::size_t first, std::size_t e
   }
 }
 
-using AddProducts = void (*)(const ColumnBatches&, std::size_t, std::size_t, ProductSums&) noexcept;
+using AddProducts = void (*)(const ColumnBatches&, ColumnRange, ColumnRange, ProductSums&) noexcept;
 template <std::size_t... kCounts>
 constexpr std::array<AddProducts, sizeof...(kCounts)> all_add_products(std::index_sequence<kCounts...>) noexcept {
   return {&add_products<kCounts + 1>...};
@@ -55,12 +67,14 @@ struct OwnLight {
 /// The lower triangle of sums, from which the group's own columns are eliminated.
 class Elimination {
  public:
-  Elimination(ProductSums& sums, std::size_t first, std::size_t end) noexcept : S_(sums), first_(first), end_(end) {
+  /// \param first  of the columns that are asked for, beside the pattern's; kWithPattern: these are in the sums as well
+  Elimination(ProductSums& sums, std::size_t first, std::size_t end, bool with_pattern) noexcept
+      : S_(sums), first_(first), end_(end), with_pattern_(with_pattern) {
     for (std::size_t i = kBeyondColumn; i < end; ++i) S_[i][i] += kRidge_px2;
   }
 
-  /// Takes the group's own columns out, the last first. \return false: they do not determine its light
-  bool eliminate_own(OwnLight& light) noexcept {
+  /// Takes the light's columns out, the last first. \return false: they do not determine it
+  bool eliminate_light(OwnLight& light) noexcept {
     // Among themselves first; then out of all others at once, which are read and written once.
     double ink_per_paper = 0;
     for (std::size_t k = end_ - 1; k >= kPaperColumn; --k) {
@@ -68,6 +82,8 @@ class Elimination {
       const double inverse = 1 / S_[k][k];
       for (std::size_t i = kPaperColumn; i < k; ++i) {
         const double factor = S_[k][i] * inverse;
+        if (with_pattern_)
+          for (std::size_t j = 0; j < kPatternColumns; ++j) S_[i][j] -= factor * S_[k][j];
         for (std::size_t j = first_; j <= i; ++j) S_[i][j] -= factor * S_[k][j];
       }
       if (k == kInkColumn) light.ink_lsb = S_[k][kGreyColumn] * inverse, ink_per_paper = S_[k][kPaperColumn] * inverse;
@@ -88,39 +104,77 @@ class Elimination {
     return true;
   }
 
+  /// Then the pattern's, as far as the pixels say more of it than its prior does. \return freedoms that it took
+  double eliminate_pattern(double contrast_lsb, int degrees_of_freedom) noexcept {
+    const double variance_lsb2 = std::max(S_[kGreyColumn][kGreyColumn] / degrees_of_freedom, kRounding_lsb2);
+    const double ridge = variance_lsb2 / square(contrast_lsb * kPatternSigma_px2);
+    double freedoms = 0;
+    for (std::size_t k = 0; k < kPatternColumns; ++k) {
+      const double pivot = S_[k][k] + ridge;
+      freedoms += S_[k][k] / pivot;
+      const auto take_from = [&](std::size_t i) {
+        const double factor = S_[i][k] / pivot;
+        for (std::size_t j = k + 1; j < std::min(i + 1, kPatternColumns); ++j) S_[i][j] -= factor * S_[j][k];
+        for (std::size_t j = std::max(first_, kPatternColumns); j <= i; ++j) S_[i][j] -= factor * S_[j][k];
+      };
+      for (std::size_t i = k + 1; i < kPatternColumns; ++i) take_from(i);
+      for (std::size_t i = first_; i <= kGreyColumn; ++i) take_from(i);
+    }
+    return freedoms;
+  }
+
  private:
   template <std::size_t kOwn>
   void take_out() noexcept {
-    for (std::size_t i = first_; i <= kGreyColumn; ++i) {
-      std::array<double, kOwn> factor;
-      for (std::size_t k = 0; k < kOwn; ++k)
-        factor[k] = S_[kPaperColumn + k][i] / S_[kPaperColumn + k][kPaperColumn + k];
-      for (std::size_t j = first_; j <= i; ++j) {
-        double left = S_[i][j];
-        for (std::size_t k = 0; k < kOwn; ++k) left -= factor[k] * S_[kPaperColumn + k][j];
-        S_[i][j] = left;
-      }
-    }
+    if (with_pattern_)
+      for (std::size_t i = 0; i < kPatternColumns; ++i) take_out_of_row<kOwn>(i);
+    for (std::size_t i = first_; i <= kGreyColumn; ++i) take_out_of_row<kOwn>(i);
+  }
+
+  template <std::size_t kOwn>
+  void take_out_of_row(std::size_t i) noexcept {
+    std::array<double, kOwn> factor;
+    for (std::size_t k = 0; k < kOwn; ++k) factor[k] = S_[kPaperColumn + k][i] / S_[kPaperColumn + k][kPaperColumn + k];
+    const auto take_from = [&](std::size_t j) {
+      double left = S_[i][j];
+      for (std::size_t k = 0; k < kOwn; ++k) left -= factor[k] * S_[kPaperColumn + k][j];
+      S_[i][j] = left;
+    };
+    if (with_pattern_)
+      for (std::size_t j = 0; j < std::min(i + 1, kPatternColumns); ++j) take_from(j);
+    for (std::size_t j = first_; j <= i; ++j) take_from(j);
   }
 
   ProductSums& S_;
   std::size_t first_, end_;
+  bool with_pattern_;
 };
 
 /// What is left says how the outline moves, for a contrast of 1: times the contrast it is the normal equations.
 void take_normal(const ProductSums& left, GroupFit& fit) noexcept {
   // A row of the sums' lower triangle is a column of the upper one.
   using Upper = Eigen::Map<const UnknownMatrix, Eigen::Unaligned, Eigen::OuterStride<kColumns>>;
-  fit.normal = fit.contrast_lsb * fit.contrast_lsb * Upper(left[0].data());
+  fit.normal = fit.contrast_lsb * fit.contrast_lsb * Upper(&left[kStateColumn][kStateColumn]);
   for (Eigen::Index i = 1; i < kUnknowns; ++i)
     for (Eigen::Index j = 0; j < i; ++j) fit.normal(i, j) = fit.normal(j, i);
-  fit.gradient = fit.contrast_lsb * Eigen::Map<const UnknownVector>(left[kGreyColumn].data());
+  fit.gradient = fit.contrast_lsb * Eigen::Map<const UnknownVector>(&left[kGreyColumn][kStateColumn]);
   fit.shift_information = fit.normal(6, 6);
   fit.usable = fit.shift_information > 0;
   fit.shift_px = fit.usable ? fit.gradient(6) / fit.shift_information : 0;
 }
 
 }  // namespace
+
+const GroupFitter::Dot& GroupFitter::dot_of(const OutlineGroup& group) noexcept {
+  if (dot_ && dot_->dot == group.dot) return *dot_;
+  const auto look = [&](const OutlineState& state, Asked asked) {
+    return Look{{pixels_, landmark_, state, group.dot}, {pixels_, landmark_, state, group.dot, asked}};
+  };
+  dot_.emplace(Dot{group.dot, look(state_, asked_), std::nullopt});
+  if (pixels_.has_pattern && group.whole_dot)
+    dot_->before_interpolation = look(before_interpolation(state_), Asked::kState);
+  return *dot_;
+}
 
 void GroupFitter::fit(const OutlineGroup& group, GroupFit& fit, std::size_t every) noexcept {
   fit.usable = false;
@@ -129,25 +183,37 @@ void GroupFitter::fit(const OutlineGroup& group, GroupFit& fit, std::size_t ever
   fit.degrees_of_freedom = static_cast<int>(count) - 2 - (group.whole_dot ? 2 : 0) - (group.at_paper_edge ? 1 : 0);
   if (fit.degrees_of_freedom < kLeastFreedom) return;
 
-  if (!dot_ || dot_->dot != group.dot)
-    dot_.emplace(
-        Dot{group.dot, {pixels_, landmark_, state_, group.dot}, {pixels_, landmark_, state_, group.dot, asked_}});
-  const std::size_t first = asked_ == Asked::kLightOnly ? kGreyColumn : 0, end = kPaperColumn + own;
+  // Stretches of long outlines meet the pattern everywhere. Thinned pixels show one half of it.
+  const bool with_pattern = pixels_.has_pattern && group.whole_dot && every == 1 &&
+                            fit.degrees_of_freedom >= kLeastFreedom + static_cast<int>(kPatternColumns);
+  const Dot& dot = dot_of(group);
+  const std::size_t first = asked_ == Asked::kLightOnly ? kGreyColumn : kStateColumn, end = kPaperColumn + own;
+  constexpr ColumnRange kPattern{0, kPatternColumns};
   ProductSums sums;
+  if (with_pattern)
+    for (std::size_t i = 0; i < kPatternColumns; ++i) sums[i] = {};
   for (std::size_t i = first; i < end; ++i) sums[i] = {};
   alignas(16) ColumnBatches batches;
   for (std::size_t at = 0; at < count; at += kLanes * kMaxBatches) {
     const std::size_t used = std::min(kLanes * kMaxBatches, count - at);
-    fill_columns(pixels_, group, dot_->view, dot_->disc,
-                 {static_cast<std::size_t>(group.first) + at * every, used, every}, asked_, batches);
-    kAddProducts[(used - 1) / kLanes](batches, first, end, sums);
+    const PixelRange range{static_cast<std::size_t>(group.first) + at * every, used, every};
+    fill_columns(pixels_, group, dot.look.view, dot.look.disc, range, asked_, batches);
+    if (with_pattern)
+      fill_pattern_columns(pixels_, dot.before_interpolation->view, dot.before_interpolation->disc, range, batches);
+    const AddProducts add = kAddProducts[(used - 1) / kLanes];
+    add(batches, {first, end}, {first, end}, sums);
+    if (with_pattern) add(batches, kPattern, kPattern, sums), add(batches, {first, end}, kPattern, sums);
   }
   if (sums[kPaperColumn][kPaperColumn] < kLeastPaper_px2 || sums[kInkColumn][kInkColumn] < kLeastInk_px2) return;
 
   OwnLight light;
-  if (!Elimination(sums, first, end).eliminate_own(light)) return;
+  Elimination elimination(sums, first, end, with_pattern);
+  if (!elimination.eliminate_light(light)) return;
   fit.paper_lsb = light.paper_lsb + static_cast<double>(pixels_.luma[static_cast<std::size_t>(group.first)]);
   fit.contrast_lsb = light.paper_lsb - light.ink_lsb;
+  if (with_pattern)
+    fit.degrees_of_freedom -=
+        static_cast<int>(std::lround(elimination.eliminate_pattern(fit.contrast_lsb, fit.degrees_of_freedom)));
   fit.squared_residuals = std::max(sums[kGreyColumn][kGreyColumn], 0.0);
   fit.usable = std::isfinite(fit.squared_residuals);
   if (asked_ != Asked::kLightOnly && fit.usable) take_normal(sums, fit);

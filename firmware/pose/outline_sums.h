@@ -39,12 +39,17 @@ class GroupFitter {
   void fit(const OutlineGroup& group, GroupFit& fit, std::size_t every = 1) noexcept;
 
  private:
-  /// What a dot's groups share.
-  struct Dot {
-    std::size_t dot;
+  struct Look {
     DotView view;
     BlurredDisc disc;
   };
+  /// What a dot's groups share.
+  struct Dot {
+    std::size_t dot;
+    Look look;
+    std::optional<Look> before_interpolation;  ///< of a picture with a pattern
+  };
+  const Dot& dot_of(const OutlineGroup& group) noexcept;
 
   const OutlinePixels& pixels_;
   const LandmarkGeometry& landmark_;

@@ -51,8 +51,10 @@ IntrinsicsPull pull_of_member(const JointMember& member, const WorldFromCamera& 
   pull.normal.topRows<3>() = R.lazyProduct(pull.normal.topRows<3>()).eval();
   pull.normal.leftCols<3>() = pull.normal.leftCols<3>().lazyProduct(R.transpose()).eval();
   pull.by_intrinsics.topRows<3>() = R.lazyProduct(pull.by_intrinsics.topRows<3>()).eval();
-  if (member.place_covariance == nullptr || member.place_covariance->isZero(0)) return pull;
-  const PoseCovariance C = step_covariance_of_place(*member.place_covariance, member.T_world_landmark, T_world_camera);
+  PoseCovariance C = step_covariance_of_turn(member.sighting->turn_sigma_rad);
+  if (member.place_covariance != nullptr)
+    C += step_covariance_of_place(*member.place_covariance, member.T_world_landmark, T_world_camera);
+  if (C.isZero(0)) return pull;
   const Eigen::PartialPivLU<PoseInformation> held(PoseInformation::Identity() + pull.normal * C);
   const PoseInformation normal = held.solve(pull.normal);
   return {(normal + normal.transpose()) / 2, held.solve(pull.by_intrinsics)};

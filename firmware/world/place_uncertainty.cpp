@@ -15,6 +15,12 @@ PoseCovariance step_covariance_of_place(const PoseCovariance& place_covariance,
   return B * place_covariance * B.transpose();
 }
 
+PoseCovariance step_covariance_of_turn(double turn_sigma_rad) noexcept {
+  PoseCovariance covariance = PoseCovariance::Zero();
+  covariance.diagonal().tail<3>().setConstant(turn_sigma_rad * turn_sigma_rad);
+  return covariance;
+}
+
 SightingFit softened(const SightingFit& fit, const PoseCovariance& step_covariance) noexcept {
   const PoseInformation held = PoseInformation::Identity() + fit.normal * step_covariance;
   const Eigen::PartialPivLU<PoseInformation> solver(held);

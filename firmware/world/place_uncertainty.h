@@ -18,6 +18,10 @@ PoseCovariance step_covariance_of_place(const PoseCovariance& place_covariance,
                                         const WorldFromLandmark& T_world_landmark,
                                         const WorldFromCamera& T_world_camera) noexcept;
 
+/// Of LandmarkSighting::turn_sigma_rad: a step of the camera for this sighting alone as well.
+/// \return  of the camera's step [m^2, m rad, rad^2] Memory: none. Threads: pure.
+PoseCovariance step_covariance_of_turn(double turn_sigma_rad) noexcept;
+
 /// What is left of a sighting's equations when the camera stands, for it, a step aside that is normal with
 /// `step_covariance`, and the likeliest of those steps is taken: its six unknowns eliminated (Schur's complement).
 /// chi2 = min over s of chi2 + 2 g s + s N s + s C^-1 s; N' = (1 + N C)^-1 N, g' = (1 + N C)^-1 g. No inverse of C: it

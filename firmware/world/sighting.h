@@ -18,6 +18,9 @@ struct LandmarkSighting {
   std::uint16_t id = 0;                  ///< of the map
   CameraFromLandmark T_camera_landmark;  ///< the landmark's own best pose
   DotSightings dots;
+  /// 1-sigma of a turn of the camera, each axis, between its place and the rows that show this landmark: it moves all
+  /// of their rays alike, and nothing of where they lie about each other [rad].
+  double turn_sigma_rad = 0;
 };
 
 }  // namespace ninedot

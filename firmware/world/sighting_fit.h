@@ -31,6 +31,7 @@ struct SightingFit {
   SightingFit& operator+=(const SightingFit& other) noexcept;
 };
 
+/// The sighting's own turn eliminated (place_uncertainty.h).
 /// \return  chi2 infinite, the rest zero: a dot that is seen would lie behind the camera
 /// Memory: none. Threads: pure.
 SightingFit fit_of_sighting(const LandmarkSighting& sighting, const WorldFromLandmark& T_world_landmark,

@@ -135,13 +135,13 @@ TEST(OutlineDistance, AgreesWithTheColumnsThatTheSolverUses) {
     const OutlineColumns& columns = batches[0];
     const Eigen::Vector2d pixel_px(static_cast<double>(pixels.x_px[first]), static_cast<double>(pixels.y_px[first]));
     const OutlineDistance exact = *outline_distance(camera, {}, T, group.dot, pixel_px);
-    const auto brighter = static_cast<double>(-columns[6][0]);
+    const auto brighter = static_cast<double>(-columns[kStateColumn + 6][0]);
     if (!(brighter > 1e-3)) continue;
     ++compared;
     Eigen::Matrix<double, 1, kPoseUnknowns> by_pose;  // along the sheet's axes
     by_pose << exact.by_pose.head<3>() * T.rotation, exact.by_pose.tail<3>() * T.rotation;
     for (std::size_t i = 0; i < kPoseUnknowns; ++i)
-      EXPECT_NEAR(static_cast<double>(columns[i][0]) / brighter, by_pose(static_cast<Eigen::Index>(i)),
+      EXPECT_NEAR(static_cast<double>(columns[kStateColumn + i][0]) / brighter, by_pose(static_cast<Eigen::Index>(i)),
                   0.01 * by_pose.norm())
           << "unknown " << i << " of dot " << int{group.dot};
   }

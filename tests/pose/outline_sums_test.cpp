@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
@@ -77,6 +78,87 @@ TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
     // The Jacobian leaves out how the outline's steepness changes with the pose: second order in the distance.
     const double scale = std::sqrt(normal(k, k) * squares(pixels, state));
     EXPECT_NEAR(gradient(k), numeric, 0.03 * scale) << "unknown " << k;
+  }
+}
+
+/// Columns of one group as a matrix, a pixel in each row.
+Eigen::MatrixXd columns_of(const OutlinePixels& pixels, const OutlineGroup& group, const OutlineState& state) {
+  const LandmarkGeometry landmark;
+  const DotView view(pixels, landmark, state, group.dot);
+  const BlurredDisc disc(pixels, landmark, state, group.dot, Asked::kState);
+  const DotView view_before(pixels, landmark, before_interpolation(state), group.dot);
+  const BlurredDisc disc_before(pixels, landmark, before_interpolation(state), group.dot, Asked::kState);
+  Eigen::MatrixXd all(group.count, kColumns);
+  for (std::int32_t at = 0; at < group.count; ++at) {
+    ColumnBatches batches;
+    const PixelRange range{static_cast<std::size_t>(group.first + at), 1};
+    fill_columns(pixels, group, view, disc, range, Asked::kState, batches);
+    fill_pattern_columns(pixels, view_before, disc_before, range, batches);
+    for (std::size_t c = 0; c < kColumns; ++c)
+      all(at, static_cast<Eigen::Index>(c)) = static_cast<double>(batches[0][c][0]);
+  }
+  // Grey levels are less the group's first one.
+  for (std::int32_t at = 0; at < group.count; ++at)
+    all(at, kGreyColumn) = static_cast<double>(pixels.luma[static_cast<std::size_t>(group.first + at)] -
+                                               pixels.luma[static_cast<std::size_t>(group.first)]);
+  return all;
+}
+
+/// What is left of `columns` beyond what `own` can make of them, where each of `own` costs its ridge.
+Eigen::MatrixXd left_of(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& own, const Eigen::VectorXd& ridge) {
+  Eigen::MatrixXd products = own.transpose() * own;
+  products.diagonal() += ridge;
+  return columns.transpose() * columns - columns.transpose() * own * products.ldlt().solve(own.transpose() * columns);
+}
+
+TEST(OutlineSums, PatternIsEliminatedLikeTheLight) {
+  test::Scene scene;
+  scene.camera = test::look_at_landmark({.distance_m = 3.0, .tilt_rad = 0.5, .azimuth_rad = 0.7});
+  set_noise(scene.sensor, 2.0);
+  const test::Picture picture = test::render(scene, 1);
+  ImageView luma = picture.view();
+  luma.has_pattern = true;
+  OutlineState state;
+  const auto& q = scene.camera.quaternion_wxyz;
+  const auto& p = scene.camera.position_m;
+  state.T_camera_landmark = Transform<frame::Landmark, frame::Camera>{
+      Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix(),
+      {p[0], p[1], p[2]}}.inverse();
+  const CameraModel camera;
+  const RayTable rays(camera);
+  OutlinePixels pixels(12000);
+  collect_outline_pixels(luma, camera, rays, LandmarkGeometry{}, state.T_camera_landmark, 3, 1, {}, {}, pixels);
+  const LandmarkGeometry landmark;
+  GroupFitter fitter(pixels, landmark, state, Asked::kState), light_only(pixels, landmark, state, Asked::kLightOnly);
+  for (const OutlineGroup& group : pixels.groups) {
+    ASSERT_TRUE(group.whole_dot);
+    GroupFit fit, light;
+    fitter.fit(group, fit);
+    light_only.fit(group, light);
+    ASSERT_TRUE(fit.usable && light.usable);
+    const Eigen::MatrixXd all = columns_of(pixels, group, state);
+    const Eigen::MatrixXd asked = all.middleCols<kUnknowns + 1>(kStateColumn);
+    Eigen::MatrixXd own = all.rightCols<5>();
+    Eigen::VectorXd ridge(5);
+    ridge << 0, 0, 1e-3, 1e-3, 1e-3;
+    const Eigen::MatrixXd without = left_of(asked, own, ridge);
+    const double variance_lsb2 = without(kUnknowns, kUnknowns) / (group.count - 5);
+    own.conservativeResize(Eigen::NoChange, 9);
+    own.rightCols<4>() = all.leftCols<kPatternColumns>();
+    ridge.conservativeResize(9);
+    ridge.tail<4>().setConstant(variance_lsb2 / std::pow(0.1 * fit.contrast_lsb, 2));
+    const Eigen::MatrixXd with = left_of(asked, own, ridge);
+    EXPECT_NEAR(fit.squared_residuals, with(kUnknowns, kUnknowns), 1e-3 * with(kUnknowns, kUnknowns));
+    EXPECT_NEAR(light.squared_residuals, fit.squared_residuals, 1e-6 * fit.squared_residuals);
+    EXPECT_LT(fit.squared_residuals, without(kUnknowns, kUnknowns));
+    const UnknownMatrix normal = fit.contrast_lsb * fit.contrast_lsb * with.topLeftCorner<kUnknowns, kUnknowns>();
+    const UnknownVector gradient = fit.contrast_lsb * with.col(kUnknowns).head<kUnknowns>();
+    for (Eigen::Index i = 0; i < kUnknowns; ++i) {
+      const double scale = std::sqrt(normal(i, i));
+      EXPECT_NEAR(fit.gradient(i), gradient(i), 1e-3 * scale * std::sqrt(fit.squared_residuals)) << i;
+      for (Eigen::Index j = 0; j < kUnknowns; ++j)
+        EXPECT_NEAR(fit.normal(i, j), normal(i, j), 1e-3 * scale * std::sqrt(normal(j, j))) << i << ", " << j;
+    }
   }
 }
 

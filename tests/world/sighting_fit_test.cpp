@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
 #include <cmath>
 #include <limits>
 
@@ -75,6 +77,30 @@ TEST(SightingFit, LeavesOutDotsThatAreNotSeen) {
   LandmarkSighting same = sighting;
   same.dots[3].ray = {100, 100};
   EXPECT_EQ(fit_of_sighting(same, kPlace, moved_by(usual_place(), any_step(1e-3)), kLandmark).chi2, fit.chi2);
+}
+
+/// A turn that nobody knows of takes what all rays have alike, and nothing of where they lie about each other.
+TEST(SightingFit, ItsOwnTurnTakesTheDirectionAndLeavesTheDistance) {
+  LandmarkSighting sighting = sighting_from(usual_place());
+  const WorldFromCamera at = moved_by(usual_place(), any_step(1e-3));
+  const SightingFit sharp = fit_of_sighting(sighting, kPlace, at, kLandmark);
+  const double ray_sigma = 1 / std::sqrt(9 * 3e6);
+  sighting.turn_sigma_rad = 30 * ray_sigma;
+  const SightingFit turned = fit_of_sighting(sighting, kPlace, at, kLandmark);
+  const Eigen::Vector3d sight = (kPlace.translation_m - usual_place().translation_m).normalized();
+  const auto sigma_along = [&](const SightingFit& fit) {
+    const PoseInformation covariance = fit.normal.inverse();
+    return std::sqrt(sight.dot(covariance.topLeftCorner<3, 3>() * sight));
+  };
+  const auto turn_sigma = [](const SightingFit& fit) {
+    return std::sqrt(fit.normal.inverse().bottomRightCorner<3, 3>().trace());
+  };
+  EXPECT_NEAR(sigma_along(turned) / sigma_along(sharp), 1, 0.01);
+  // Alone the place and the direction go together: beside other landmarks it is the rotation that is left open.
+  EXPECT_NEAR(std::pow(turn_sigma(turned), 2) - std::pow(turn_sigma(sharp), 2), 3 * std::pow(30 * ray_sigma, 2),
+              0.01 * 3 * std::pow(30 * ray_sigma, 2));
+  EXPECT_LT(turned.chi2, sharp.chi2);
+  EXPECT_EQ(turned.dots, sharp.dots);
 }
 
 TEST(SightingFit, OfACameraThatLooksAwayIsInfinitelyBad) {

@@ -1,0 +1,48 @@
+#include "pipeline/sighting_uncertainty.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace ninedot {
+namespace {
+
+LandmarkSighting at_row(double row_px, const CameraModel& camera) {
+  LandmarkSighting sighting;
+  sighting.T_camera_landmark.rotation << -1, 0, 0, 0, 0, -1, 0, -1, 0;
+  sighting.T_camera_landmark.translation_m = {0, 4 * (row_px - camera.cy_px) / camera.fy_px, 4};
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    const Eigen::Vector2d C = LandmarkGeometry{}.centre_m(dot);
+    sighting.dots[dot].ray = (sighting.T_camera_landmark * Eigen::Vector3d(C.x(), 0, C.y())).hnormalized();
+    sighting.dots[dot].information = Eigen::Matrix2d::Identity() * std::pow(camera.fx_px / 0.03, 2);
+  }
+  return sighting;
+}
+
+TEST(SightingUncertainty, RowsAwayFromTheMiddleTurnTheWholeLandmark) {
+  const CameraModel camera;
+  const RowUncertainty rows{0.02, 33e-6, 0.5 * (camera.height_px - 1)};
+  const LandmarkSighting before = at_row(rows.middle_row_px + 200, camera);
+  LandmarkSighting sighting = before;
+  widen(sighting, rows, camera);
+  EXPECT_NEAR(sighting.turn_sigma_rad, 0.02 * 200 * 33e-6, 1e-7);
+  // A dot's own rows lie ten from the landmark's: 0.005 px, nine times counted for nine dots.
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    const double kept = sighting.dots[dot].information.trace() / before.dots[dot].information.trace();
+    EXPECT_LE(kept, 1) << dot;
+    EXPECT_GT(kept, 0.6) << dot;
+  }
+  EXPECT_LT(sighting.dots[0].information.trace(), sighting.dots[2].information.trace()) << "further from the middle";
+}
+
+TEST(SightingUncertainty, NothingIsUncertainWhereAllRowsAreExposedAtOnce) {
+  const CameraModel camera;
+  LandmarkSighting sighting = at_row(400, camera);
+  const Eigen::Matrix2d before = sighting.dots[0].information;
+  widen(sighting, {0.02, 0, 239.5}, camera);
+  EXPECT_EQ(sighting.turn_sigma_rad, 0);
+  EXPECT_EQ(sighting.dots[0].information, before);
+}
+
+}  // namespace
+}  // namespace ninedot
