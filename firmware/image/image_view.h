@@ -12,7 +12,7 @@ struct ImageView {
   int width_px = 0;
   int height_px = 0;
   std::ptrdiff_t stride_bytes = 0;  ///< from one row to the next, >= width_px
-  bool has_pattern = false;         ///< interpolated from a colour camera's pattern: sharper at some pixels than at others
+  bool has_pattern = false;  ///< interpolated from a colour camera's pattern: sharper at some pixels than at others
 
   const std::uint8_t* row(int y) const noexcept { return pixels + y * stride_bytes; }
   /// \return  the grey level [LSB]

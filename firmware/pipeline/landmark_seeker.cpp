@@ -135,8 +135,7 @@ Result<std::size_t> LandmarkSeeker::solve(const Frame& frame, const LandmarkObse
   const bool full = options_.solver == Solver::kFull;
   const double scale = 0.5 * (seen.H_ray_plane.col(0).norm() + seen.H_ray_plane.col(1).norm());
   const RowMotion motion = motion_of(track, seen.H_ray_plane.col(2) / scale, !seen.from_pose);
-  const auto answer =
-      full ? full_.solve(luma_, seen, prior, budget_.pixels, motion.sheet) : ellipse_.solve(seen);
+  const auto answer = full ? full_.solve(luma_, seen, prior, budget_.pixels, motion.sheet) : ellipse_.solve(seen);
   if (!answer) {
     if (answer.error().code == Errc::kPoseDegenerate) track.see(seen);
     return tl::unexpected<Error>(answer.error());

@@ -124,33 +124,6 @@ void fill_small(const Pixels& some, const BlurredDisc& disc, OutlineColumns& col
 
 /// How the blurred outline of a dot looks from one pixel.
 struct Profile {
-  // A Gaussian blur along the outline reaches over its bend: with the curvature k in units of the blur, the edge is met
-  // by t^2 k / 2 + t^4 k^3 / 8 earlier at t along the tangent, t normal; of that the mean and the variance count. The
-  // blur along is taken as that across: what differs of it, of a blur that is wider one way, made tone curves and
-  // shadows look like a tilt (recordings of a moving camera).
-  Profile(const DotView& v, float mx, float my) noexcept {
-    const float depth = 1 / (v.inverse_depth.x() * mx + v.inverse_depth.y() * my + v.inverse_depth.z());
-    A = (v.rX.x() * mx + v.rX.y() * my + v.rX.z()) * depth;
-    B = (v.rZ.x() * mx + v.rZ.y() * my + v.rZ.z()) * depth;
-    const float x = A - v.middle.x(), z = B - v.middle.y();
-    const float rho = std::sqrt(x * x + z * z + kNotAtCentre_m2), per_rho = 1 / rho;
-    eX = x * per_rho, eZ = z * per_rho;
-    along = (eX * A + eZ * B) * v.per_height;
-    // In units of the depth.
-    const float gradient_x = eX * v.px_X.x() + eZ * v.px_Z.x() - along * v.px_n.x();
-    const float gradient_y = eX * v.px_X.y() + eZ * v.px_Z.y() - along * v.px_n.y();
-    const float steep2 = gradient_x * gradient_x + gradient_y * gradient_y;
-    const float steep = std::sqrt(steep2);
-    per_slope = 1 / (steep * depth);
-    blur = blur_along(v, gradient_x, gradient_y, steep2);
-    const float bent = blur.sigma_px * v.bend * (depth * depth * depth) / (steep2 * steep);
-    k1 = bent < 1 ? bent : 1, k2 = 0.5F * k1 * k1;
-    narrowing = 1 / std::sqrt(1 + k2);
-    straight = ((rho - v.radius_m) * per_slope - v.offset_px) * blur.per_px;
-    met = straight + k1 * (0.5F + 0.75F * k2);
-    distance = met * narrowing;
-  }
-
   /// What more blur across the outline and what more along it do, which reaches over the bend, in units that both
   /// share.
   float across() const noexcept { return straight + met * k2 * (narrowing * narrowing); }
@@ -164,13 +137,39 @@ struct Profile {
   float distance;  ///< signed, in units of the blur
 };
 
+// A Gaussian blur along the outline reaches over its bend: with the curvature k in units of the blur, the edge is met
+// by t^2 k / 2 + t^4 k^3 / 8 earlier at t along the tangent, t normal; of that the mean and the variance count. The
+// blur along is taken as that across: what differs of it, of a blur that is wider one way, made tone curves and shadows
+// look like a tilt (recordings of a moving camera).
+inline Profile profile_at(const DotView& v, float mx, float my) noexcept {
+  const float depth = 1 / (v.inverse_depth.x() * mx + v.inverse_depth.y() * my + v.inverse_depth.z());
+  const float A = (v.rX.x() * mx + v.rX.y() * my + v.rX.z()) * depth;
+  const float B = (v.rZ.x() * mx + v.rZ.y() * my + v.rZ.z()) * depth;
+  const float x = A - v.middle.x(), z = B - v.middle.y();
+  const float rho = std::sqrt(x * x + z * z + kNotAtCentre_m2), per_rho = 1 / rho;
+  const float eX = x * per_rho, eZ = z * per_rho;
+  const float along = (eX * A + eZ * B) * v.per_height;
+  // In units of the depth.
+  const float gradient_x = eX * v.px_X.x() + eZ * v.px_Z.x() - along * v.px_n.x();
+  const float gradient_y = eX * v.px_X.y() + eZ * v.px_Z.y() - along * v.px_n.y();
+  const float steep2 = gradient_x * gradient_x + gradient_y * gradient_y;
+  const float steep = std::sqrt(steep2), per_slope = 1 / (steep * depth);
+  const Blur blur = blur_along(v, gradient_x, gradient_y, steep2);
+  const float bent = blur.sigma_px * v.bend * (depth * depth * depth) / (steep2 * steep);
+  const float k1 = bent < 1 ? bent : 1, k2 = 0.5F * k1 * k1;
+  const float narrowing = 1 / std::sqrt(1 + k2);
+  const float straight = ((rho - v.radius_m) * per_slope - v.offset_px) * blur.per_px;
+  const float met = straight + k1 * (0.5F + 0.75F * k2);
+  return {A, B, eX, eZ, along, per_slope, blur, k1, k2, narrowing, straight, met, met * narrowing};
+}
+
 /// Of an outline that is long beside its blur: the profile across it.
 template <Asked kAsked>
 void fill_profile(const Pixels& some, const DotView& v, OutlineColumns& columns) noexcept {
   constexpr auto kPerLever = static_cast<float>(1 / kLever_m);
   Lanes* const by_state = &columns[kStateColumn];
   for (std::size_t l = 0; l < kLanes; ++l) {
-    const Profile p(v, some.ray_x[l], some.ray_y[l]);
+    const Profile p = profile_at(v, some.ray_x[l], some.ray_y[l]);
     const auto [density, tail] = normal_tail(p.distance);
     columns[kInkColumn][l] = (p.distance > 0 ? tail : 1 - tail) * some.there[l];
     if constexpr (kAsked == Asked::kLightOnly) continue;
@@ -284,7 +283,7 @@ void fill_pattern_columns(const OutlinePixels& pixels, const DotView& dot_view, 
       disc.ink_by_blur(some.ray_x, some.ray_y, by_blur);
     } else {
       for (std::size_t l = 0; l < kLanes; ++l) {
-        const Profile p(v, some.ray_x[l], some.ray_y[l]);
+        const Profile p = profile_at(v, some.ray_x[l], some.ray_y[l]);
         const float darker = -normal_tail(p.distance).density * p.narrowing * (0.5F * p.blur.per_px * p.blur.per_px);
         wider[l] = darker * (p.across() - p.over_bend());
         longer[l] = darker * (p.across() + p.over_bend()) * p.blur.cos2;

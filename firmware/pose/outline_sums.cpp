@@ -33,13 +33,13 @@ struct ColumnRange {
   std::size_t first, end;
 };
 
-/// Adds the products of `rows` with those of `columns` that do not come after them, of so many batches: as a constant
-/// it leaves each product one run of instructions.
-template <std::size_t kBatches>
+/// Adds the products of `rows` with `columns`, or with those of themselves that do not come after them, of so many
+/// batches: as a constant it leaves each product one run of instructions.
+template <std::size_t kBatches, bool kWithThemselves>
 void add_products(const ColumnBatches& batches, ColumnRange rows, ColumnRange columns, ProductSums& sums) noexcept {
   for (std::size_t i = rows.first; i < rows.end; ++i) {
     const float* a = batches[0][i].data();
-    const std::size_t end = std::min(i + 1, columns.end);
+    const std::size_t end = kWithThemselves ? i + 1 : columns.end;
     for (std::size_t j = columns.first; j < end; ++j) {
       const float* b = batches[0][j].data();
       cv::v_float32x4 sum = cv::v_setzero_f32();
@@ -53,11 +53,12 @@ void add_products(const ColumnBatches& batches, ColumnRange rows, ColumnRange co
 }
 
 using AddProducts = void (*)(const ColumnBatches&, ColumnRange, ColumnRange, ProductSums&) noexcept;
-template <std::size_t... kCounts>
+template <bool kWithThemselves, std::size_t... kCounts>
 constexpr std::array<AddProducts, sizeof...(kCounts)> all_add_products(std::index_sequence<kCounts...>) noexcept {
-  return {&add_products<kCounts + 1>...};
+  return {&add_products<kCounts + 1, kWithThemselves>...};
 }
-constexpr auto kAddProducts = all_add_products(std::make_index_sequence<kMaxBatches>());
+constexpr auto kAddSquares = all_add_products<true>(std::make_index_sequence<kMaxBatches>());
+constexpr auto kAddProducts = all_add_products<false>(std::make_index_sequence<kMaxBatches>());
 
 /// The grey levels that fit a group best, less its first pixel's.
 struct OwnLight {
@@ -65,11 +66,11 @@ struct OwnLight {
 };
 
 /// The lower triangle of sums, from which the group's own columns are eliminated.
+template <bool kWithPattern>
 class Elimination {
  public:
   /// \param first  of the columns that are asked for, beside the pattern's; kWithPattern: these are in the sums as well
-  Elimination(ProductSums& sums, std::size_t first, std::size_t end, bool with_pattern) noexcept
-      : S_(sums), first_(first), end_(end), with_pattern_(with_pattern) {
+  Elimination(ProductSums& sums, std::size_t first, std::size_t end) noexcept : S_(sums), first_(first), end_(end) {
     for (std::size_t i = kBeyondColumn; i < end; ++i) S_[i][i] += kRidge_px2;
   }
 
@@ -82,7 +83,7 @@ class Elimination {
       const double inverse = 1 / S_[k][k];
       for (std::size_t i = kPaperColumn; i < k; ++i) {
         const double factor = S_[k][i] * inverse;
-        if (with_pattern_)
+        if constexpr (kWithPattern)
           for (std::size_t j = 0; j < kPatternColumns; ++j) S_[i][j] -= factor * S_[k][j];
         for (std::size_t j = first_; j <= i; ++j) S_[i][j] -= factor * S_[k][j];
       }
@@ -126,7 +127,7 @@ class Elimination {
  private:
   template <std::size_t kOwn>
   void take_out() noexcept {
-    if (with_pattern_)
+    if constexpr (kWithPattern)
       for (std::size_t i = 0; i < kPatternColumns; ++i) take_out_of_row<kOwn>(i);
     for (std::size_t i = first_; i <= kGreyColumn; ++i) take_out_of_row<kOwn>(i);
   }
@@ -135,20 +136,32 @@ class Elimination {
   void take_out_of_row(std::size_t i) noexcept {
     std::array<double, kOwn> factor;
     for (std::size_t k = 0; k < kOwn; ++k) factor[k] = S_[kPaperColumn + k][i] / S_[kPaperColumn + k][kPaperColumn + k];
-    const auto take_from = [&](std::size_t j) {
-      double left = S_[i][j];
-      for (std::size_t k = 0; k < kOwn; ++k) left -= factor[k] * S_[kPaperColumn + k][j];
-      S_[i][j] = left;
+    const auto take_from = [&](std::size_t first, std::size_t end) {
+      for (std::size_t j = first; j < end; ++j) {
+        double left = S_[i][j];
+        for (std::size_t k = 0; k < kOwn; ++k) left -= factor[k] * S_[kPaperColumn + k][j];
+        S_[i][j] = left;
+      }
     };
-    if (with_pattern_)
-      for (std::size_t j = 0; j < std::min(i + 1, kPatternColumns); ++j) take_from(j);
-    for (std::size_t j = first_; j <= i; ++j) take_from(j);
+    if constexpr (kWithPattern) take_from(0, std::min(i + 1, kPatternColumns));
+    take_from(first_, i + 1);
   }
 
   ProductSums& S_;
   std::size_t first_, end_;
-  bool with_pattern_;
 };
+
+/// \return  false: the group's columns do not determine its light
+template <bool kWithPattern>
+bool eliminate_own(ProductSums& sums, std::size_t first, std::size_t end, OwnLight& light, GroupFit& fit) noexcept {
+  Elimination<kWithPattern> elimination(sums, first, end);
+  if (!elimination.eliminate_light(light)) return false;
+  fit.contrast_lsb = light.paper_lsb - light.ink_lsb;
+  if constexpr (kWithPattern)
+    fit.degrees_of_freedom -=
+        static_cast<int>(std::lround(elimination.eliminate_pattern(fit.contrast_lsb, fit.degrees_of_freedom)));
+  return true;
+}
 
 /// What is left says how the outline moves, for a contrast of 1: times the contrast it is the normal equations.
 void take_normal(const ProductSums& left, GroupFit& fit) noexcept {
@@ -165,15 +178,12 @@ void take_normal(const ProductSums& left, GroupFit& fit) noexcept {
 
 }  // namespace
 
-const GroupFitter::Dot& GroupFitter::dot_of(const OutlineGroup& group) noexcept {
-  if (dot_ && dot_->dot == group.dot) return *dot_;
-  const auto look = [&](const OutlineState& state, Asked asked) {
-    return Look{{pixels_, landmark_, state, group.dot}, {pixels_, landmark_, state, group.dot, asked}};
-  };
-  dot_.emplace(Dot{group.dot, look(state_, asked_), std::nullopt});
+void GroupFitter::look_at(const OutlineGroup& group) noexcept {
+  if (dot_ == group.dot) return;
+  dot_ = group.dot;
+  look_.emplace(pixels_, landmark_, state_, dot_, asked_);
   if (pixels_.has_pattern && group.whole_dot)
-    dot_->before_interpolation = look(before_interpolation(state_), Asked::kState);
-  return *dot_;
+    before_interpolation_.emplace(pixels_, landmark_, before_interpolation(state_), dot_, Asked::kState);
 }
 
 void GroupFitter::fit(const OutlineGroup& group, GroupFit& fit, std::size_t every) noexcept {
@@ -186,34 +196,34 @@ void GroupFitter::fit(const OutlineGroup& group, GroupFit& fit, std::size_t ever
   // Stretches of long outlines meet the pattern everywhere. Thinned pixels show one half of it.
   const bool with_pattern = pixels_.has_pattern && group.whole_dot && every == 1 &&
                             fit.degrees_of_freedom >= kLeastFreedom + static_cast<int>(kPatternColumns);
-  const Dot& dot = dot_of(group);
+  look_at(group);
   const std::size_t first = asked_ == Asked::kLightOnly ? kGreyColumn : kStateColumn, end = kPaperColumn + own;
+  const ColumnRange asked{first, end};
   constexpr ColumnRange kPattern{0, kPatternColumns};
   ProductSums sums;
+  for (std::size_t i = first; i < end; ++i) std::fill_n(&sums[i][kStateColumn], kColumns - kStateColumn, 0.0);
   if (with_pattern)
-    for (std::size_t i = 0; i < kPatternColumns; ++i) sums[i] = {};
-  for (std::size_t i = first; i < end; ++i) sums[i] = {};
+    for (std::array<double, kColumns>& row : sums) std::fill_n(row.begin(), kPatternColumns, 0.0);
   alignas(16) ColumnBatches batches;
   for (std::size_t at = 0; at < count; at += kLanes * kMaxBatches) {
     const std::size_t used = std::min(kLanes * kMaxBatches, count - at);
     const PixelRange range{static_cast<std::size_t>(group.first) + at * every, used, every};
-    fill_columns(pixels_, group, dot.look.view, dot.look.disc, range, asked_, batches);
+    fill_columns(pixels_, group, look_->view, look_->disc, range, asked_, batches);
     if (with_pattern)
-      fill_pattern_columns(pixels_, dot.before_interpolation->view, dot.before_interpolation->disc, range, batches);
-    const AddProducts add = kAddProducts[(used - 1) / kLanes];
-    add(batches, {first, end}, {first, end}, sums);
-    if (with_pattern) add(batches, kPattern, kPattern, sums), add(batches, {first, end}, kPattern, sums);
+      fill_pattern_columns(pixels_, before_interpolation_->view, before_interpolation_->disc, range, batches);
+    const std::size_t last_batch = (used - 1) / kLanes;
+    kAddSquares[last_batch](batches, asked, asked, sums);
+    if (!with_pattern) continue;
+    kAddSquares[last_batch](batches, kPattern, kPattern, sums);
+    kAddProducts[last_batch](batches, asked, kPattern, sums);
   }
   if (sums[kPaperColumn][kPaperColumn] < kLeastPaper_px2 || sums[kInkColumn][kInkColumn] < kLeastInk_px2) return;
 
   OwnLight light;
-  Elimination elimination(sums, first, end, with_pattern);
-  if (!elimination.eliminate_light(light)) return;
+  const bool is_determined = with_pattern ? eliminate_own<true>(sums, first, end, light, fit)
+                                          : eliminate_own<false>(sums, first, end, light, fit);
+  if (!is_determined) return;
   fit.paper_lsb = light.paper_lsb + static_cast<double>(pixels_.luma[static_cast<std::size_t>(group.first)]);
-  fit.contrast_lsb = light.paper_lsb - light.ink_lsb;
-  if (with_pattern)
-    fit.degrees_of_freedom -=
-        static_cast<int>(std::lround(elimination.eliminate_pattern(fit.contrast_lsb, fit.degrees_of_freedom)));
   fit.squared_residuals = std::max(sums[kGreyColumn][kGreyColumn], 0.0);
   fit.usable = std::isfinite(fit.squared_residuals);
   if (asked_ != Asked::kLightOnly && fit.usable) take_normal(sums, fit);

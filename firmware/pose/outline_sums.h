@@ -39,23 +39,23 @@ class GroupFitter {
   void fit(const OutlineGroup& group, GroupFit& fit, std::size_t every = 1) noexcept;
 
  private:
+  /// What a dot's groups share.
   struct Look {
+    Look(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const OutlineState& state, std::size_t dot,
+         Asked asked) noexcept
+        : view(pixels, landmark, state, dot), disc(pixels, landmark, state, dot, asked) {}
     DotView view;
     BlurredDisc disc;
   };
-  /// What a dot's groups share.
-  struct Dot {
-    std::size_t dot;
-    Look look;
-    std::optional<Look> before_interpolation;  ///< of a picture with a pattern
-  };
-  const Dot& dot_of(const OutlineGroup& group) noexcept;
+  void look_at(const OutlineGroup& group) noexcept;
 
   const OutlinePixels& pixels_;
   const LandmarkGeometry& landmark_;
   const OutlineState& state_;
   Asked asked_;
-  std::optional<Dot> dot_;
+  std::size_t dot_ = kDotCount;  // that was looked at
+  std::optional<Look> look_;
+  std::optional<Look> before_interpolation_;  // of a picture with a pattern
 };
 
 }  // namespace ninedot
