@@ -27,7 +27,8 @@ constexpr auto kSettle = 300ms;
 constexpr std::size_t kLeastPictures = 3;
 /// Ten times what a dot's place is uncertain by in one picture, a twentieth of a degree.
 constexpr double kSteady = 1e-3;
-/// Of a picture's variance, what it shares with the next one: `common_share` of [track].
+/// Of a picture's variance, what it shares with the next one where head and camera stand: more than `common_share` of
+/// [track] says of a camera that moves.
 constexpr double kCommonShare = 0.5;
 
 bool is_same(const HeadAngles& a, const HeadAngles& b, double to_rad) {

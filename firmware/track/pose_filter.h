@@ -31,7 +31,7 @@ struct PoseFilterOptions {
   /// Likewise, of its turns and its head's. [rad/s^2]
   double angular_acceleration_sigma_rad_s2 = 60 * kRadPerDeg;
   /// Of the sightings' variance the share that consecutive frames have in common, 0..0.9. In nine rendered ways through
-  /// rooms (480 frames, 0.05 to 1.6 m/s, turns of up to 45 degrees per second) the products of neighbouring errors are
+  /// rooms (500 frames, 0.05 to 1.6 m/s, turns of up to 45 degrees per second) the products of neighbouring errors are
   /// 0.1 of their squares, in the median; of a lone sheet at 35 Hz and 10 ms of exposure (69 pairs of frames) 0.76,
   /// 0.60 and 0.47 along x, y and z. This leaves rms of error / sigma at 0.63 to 1.07 in the former and 1.04 in the
   /// latter.

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "pipeline/localiser.h"
-#include "tests/support/room_renderer.h"
+#include "tests/support/rendered_truth.h"
 
 namespace ninedot {
 namespace {
@@ -32,27 +32,16 @@ struct Scatter {
 
 TEST(ColourPattern, MovesNoDotsWhereAPictureHasColours) {
   const test::Lens lens;
-  CameraModel camera;
-  camera.fx_px = lens.fx_px, camera.fy_px = lens.fy_px, camera.cx_px = lens.cx_px, camera.cy_px = lens.cy_px;
-  camera.width_px = lens.width_px, camera.height_px = lens.height_px;
-  test::Room room;
-  room.low_m = {-30, 0, -30}, room.high_m = {30, 30, 30};
-  room.landmarks = {{test::RoomSide::kLowY, 0, 0, test::inks_of_code("KKKKKKKK"), {0.9, 0.9, 0.9}}};
+  const CameraModel camera = test::pinhole_of(lens);
   test::Sensor sensor;
   set_noise(sensor, 1.0);
-  const test::RoomRenderer renderer(room, lens, sensor);
+  const test::RoomRenderer renderer(test::hall_with_sheet("KKKKKKKK"), lens, sensor);
   Scatter as_colours, as_grey;
   for (int i = 0; i < 8; ++i) {
     const test::CameraPose pose = test::look_at_landmark(
         {.distance_m = 2.6 + 0.13 * i, .tilt_rad = 0.4, .azimuth_rad = 0.7 + 0.5 * i, .roll_rad = 0.02 * i});
     const test::ColourPicture picture = read_out(renderer.expose([&](double) { return pose; }, {}), sensor,
                                                  test::ChromaLayout::k420, static_cast<std::uint64_t>(i));
-    const CameraFromLandmark truth = Transform<frame::Landmark, frame::Camera>{
-        Eigen::Quaterniond(pose.quaternion_wxyz[0], pose.quaternion_wxyz[1], pose.quaternion_wxyz[2],
-                           pose.quaternion_wxyz[3])
-            .toRotationMatrix(),
-        {pose.position_m[0], pose.position_m[1],
-         pose.position_m[2]}}.inverse();
     for (const bool has_colours : {true, false}) {
       Frame frame;
       frame.set_exposure(MonoTime(5s));
@@ -61,7 +50,7 @@ TEST(ColourPattern, MovesNoDotsWhereAPictureHasColours) {
       Localiser unit(camera, {});
       const Fix& fix = unit.process(frame);
       ASSERT_EQ(fix.landmarks.size(), 1U) << i;
-      (has_colours ? as_colours : as_grey).add(fix, truth, lens.fx_px);
+      (has_colours ? as_colours : as_grey).add(fix, test::sheet_before(pose), lens.fx_px);
     }
   }
   EXPECT_GT(as_grey.px(), 0.008) << "the pattern moves nothing: the test shows nothing";

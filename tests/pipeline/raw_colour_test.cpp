@@ -8,7 +8,7 @@
 #include "drivers/camera/bayer.h"
 #include "pipeline/room_localiser.h"
 #include "tests/support/random.h"
-#include "tests/support/room_renderer.h"
+#include "tests/support/rendered_truth.h"
 
 namespace ninedot {
 namespace {
@@ -44,15 +44,10 @@ double error_m(const Fix& fix, const test::CameraPose& camera) {
 
 TEST(RawColour, ACodeIsReadAndPlacedAsWellAsFromWhatACameraMakesOfIt) {
   const test::Lens lens;
-  CameraModel camera;
-  camera.fx_px = lens.fx_px, camera.fy_px = lens.fy_px, camera.cx_px = lens.cx_px, camera.cy_px = lens.cy_px;
-  camera.width_px = lens.width_px, camera.height_px = lens.height_px;
-  test::Room room;
-  room.low_m = {-30, 0, -30}, room.high_m = {30, 30, 30};
-  room.landmarks = {{test::RoomSide::kLowY, 0, 0, test::inks_of_code("KRGBKKRB"), {0.9, 0.9, 0.9}}};
+  const CameraModel camera = test::pinhole_of(lens);
   test::Sensor sensor;
   set_noise(sensor, 1.5);
-  const test::RoomRenderer renderer(room, lens, sensor);
+  const test::RoomRenderer renderer(test::hall_with_sheet("KRGBKKRB"), lens, sensor);
   const LandmarkMap map({{11, "KRGBKKRB", place_upright({0, 0, 0}, 0)}, {12, "RRGKBGKB", place_upright({3, 0, 0}, 0)}});
   BayerDeveloper developer({BayerLayout::Packing::kWords, 10, 0, 0}, {kBlack, 1 / kRedSees, 1 / kBlueSees},
                            lens.width_px, lens.height_px);

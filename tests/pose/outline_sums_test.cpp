@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <numbers>
 
-#include "tests/support/renderer.h"
+#include "tests/support/rendered_truth.h"
 
 namespace ninedot {
 namespace {
@@ -30,14 +29,8 @@ TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
   scene.camera = test::look_at_landmark({.distance_m = 1.0, .tilt_rad = 0.5, .azimuth_rad = 0.7});
   set_noise(scene.sensor, 1.0);
   const test::Picture picture = test::render(scene, 1);
-  const auto& q = scene.camera.quaternion_wxyz;
-  const auto& p = scene.camera.position_m;
-  Transform<frame::Landmark, frame::Camera> truth;
-  truth.rotation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
-  truth.translation_m = {p[0], p[1], p[2]};
-
   OutlineState state;
-  state.T_camera_landmark = truth.inverse();
+  state.T_camera_landmark = test::sheet_before(scene.camera);
   state.blur_px2 = 0.4;
   UnknownVector off = UnknownVector::Zero();
   off << 2e-4, -1e-4, 2e-4, 1e-4, -2e-4, 1e-3, 0, 0, 0, 0;  // a fraction of a pixel
@@ -119,11 +112,7 @@ TEST(OutlineSums, PatternIsEliminatedLikeTheLight) {
   ImageView luma = picture.view();
   luma.has_pattern = true;
   OutlineState state;
-  const auto& q = scene.camera.quaternion_wxyz;
-  const auto& p = scene.camera.position_m;
-  state.T_camera_landmark = Transform<frame::Landmark, frame::Camera>{
-      Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix(),
-      {p[0], p[1], p[2]}}.inverse();
+  state.T_camera_landmark = test::sheet_before(scene.camera);
   const CameraModel camera;
   const RayTable rays(camera);
   OutlinePixels pixels(12000);
