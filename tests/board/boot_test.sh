@@ -26,7 +26,8 @@ mcopy -i "$work/board.img@@4M" '::*.dtb' "$work/trees/"
 if [[ $image == *-pi5.img ]]; then tests/board/overlays_pi5_test.py "$work/trees"; else tests/board/overlays_test.py "$work/trees"; fi
 # What a person would put on the FAT partition before the first boot: edited on a system with other line ends.
 mcopy -i "$work/board.img@@4M" ::ninedot.toml "$work/ninedot.toml"
-sed -i 's/^listen = .*/listen = "0.0.0.0"/; s/$/\r/' "$work/ninedot.toml"
+# Five frames a second: no more than an emulated board can take, so that what load takes from the service can be seen.
+sed -i 's/^listen = .*/listen = "0.0.0.0"/; s/^rate_hz = .*/rate_hz = 5.0/; s/$/\r/' "$work/ninedot.toml"
 printf '\r\n[tap]\r\nenabled = true\r\n[web]\r\nlisten = "0.0.0.0"\r\ntoken_file = "/etc/ninedot/web-token"\r\n' >> "$work/ninedot.toml"
 printf '0123456789abcdef0123456789abcdef\r\n' > "$work/web-token"
 printf 'cabinet-7\r\n' > "$work/hostname"
