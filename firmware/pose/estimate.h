@@ -51,15 +51,17 @@ struct OutlineFit {
 /// How far the outlines lie from those of discs of the landmark's sizes, in shares of the radius that a disc as large
 /// as a dot of the ring would have in the picture, 0.. (outline_shape.h).
 struct OutlineShape {
-  bool is_unknown = false;  ///< somebody has looked, and too few outlines are sure enough to tell: the shares are 0
-  double size = 0;          ///< some larger than others against the landmark's: of the median dot [1]
-  double second = 0;        ///< longer one way than the other: amplitude of the median dot, of its short semi-axis [1]
-  double fourth = 0;        ///< with four corners: likewise [1]
-  double centre = 0;        ///< P9 aside [1]
-  double centre_size = 0;   ///< P9 larger or smaller than the ring's dots against the landmark's [1]
-  int absent = 0;           ///< dots that are not there, though nothing hides them [1]
-  int hollow = 0;           ///< dots that are no ink in their middle [1]
-  int spots = 0;            ///< of ink on the blank paper between P9 and a whole ring [1]
+  bool is_unknown = false;   ///< somebody has looked, and too few outlines are sure enough to tell: but P9's corners,
+                             ///< the shares are 0
+  double size = 0;           ///< some larger than others against the landmark's: of the median dot [1]
+  double second = 0;         ///< longer one way than the other: amplitude of the median dot, of its short semi-axis [1]
+  double fourth = 0;         ///< with four corners: likewise [1]
+  double centre = 0;         ///< P9 aside [1]
+  double centre_size = 0;    ///< P9 larger or smaller than the ring's dots against the landmark's [1]
+  double centre_fourth = 0;  ///< P9 with four corners: of its own short semi-axis [1]
+  int absent = 0;            ///< dots that are not there, though nothing hides them [1]
+  int hollow = 0;            ///< dots that are no ink in their middle [1]
+  int spots = 0;             ///< of ink on the blank paper between P9 and a whole ring [1]
 };
 
 /// One reading of a picture.
@@ -76,6 +78,7 @@ struct PoseCandidate {
   DotSightings dots;                              ///< what each of its outlines says by itself
   OutlineShape shape;                             ///< likewise; 0 but in the best of a search's answer
   double dot_radius_px = 0;                       ///< of the ring's dots, likewise, seen from in front
+  double centre_radius_px = 0;                    ///< of P9, likewise
   OutlineState outlines;                          ///< solver "full": what a next frame may start from
   std::array<double, kDotCount> visible_share{};  ///< of each dot's outline, where it belongs. 0..1
 };

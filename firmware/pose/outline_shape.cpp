@@ -18,6 +18,9 @@ constexpr double kBlurSigma_px2 = 0.1;  // prior of a dot's own blur: it is the 
 // much more in the median of nine once in thirty.
 constexpr double kNoiseVariances = 2.9;
 constexpr double kSizeSigmas = 1.5;  // likewise, of one part and the median's
+// In the variances of one dot, P9: so much once in a hundred. One that is less sure than this share of its short
+// semi-axis can't be told from a square, which has 0.11 to 0.2.
+constexpr double kCentreVariances = 9.2, kCentreSure = 0.035;
 // An outline that noise leaves less sure than this share of the short semi-axis has no shape to speak of.
 constexpr double kLeastSure = 0.1;
 constexpr int kLeastDots = 3;
@@ -115,7 +118,8 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
   }
 
   Amounts size_px, size_sigma_px, second_px, fourth_px;  // as many as dots: no push can fail
-  double centre_px = 0, centre_size_px = 0, centre_sigma_px = 0;
+  double centre_px = 0, centre_size_px = 0, centre_sigma_px = 0, centre_fourth_px = 0;
+  const double centre_minor_px = dot_axes.semi_minor_px * landmark.centre_radius_m / landmark.dot_radius_m;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     UnknownMatrix& N = normal[dot];
     if (!(N(kAllAround, kAllAround) > 0)) continue;
@@ -124,10 +128,12 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
     const Eigen::LLT<UnknownMatrix> factors(N);
     const UnknownVector part_px = factors.solve(gradient[dot]);
     const double sigma_px = std::sqrt(largest_variance(factors, kShapeUnknowns));
-    if (!(sigma_px < kLeastSure * dot_axes.semi_minor_px)) continue;
-    const auto amplitude_px = [&](Part cosine, Part sine) {
-      return root_beyond(square(part_px(cosine)) + square(part_px(sine)), kNoiseVariances * square(sigma_px));
+    const auto amplitude_px = [&](Part cosine, Part sine, double noise_variances = kNoiseVariances) {
+      return root_beyond(square(part_px(cosine)) + square(part_px(sine)), noise_variances * square(sigma_px));
     };
+    if (dot == kCentreDot && sigma_px < kCentreSure * centre_minor_px)
+      centre_fourth_px = amplitude_px(kCos4, kSin4, kCentreVariances);
+    if (!(sigma_px < kLeastSure * dot_axes.semi_minor_px)) continue;
     if (dot == kCentreDot) {
       centre_px = amplitude_px(kCos1, kSin1);
       centre_size_px = part_px(kAllAround), centre_sigma_px = sigma_px;
@@ -137,7 +143,8 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
     (void)second_px.try_push_back(amplitude_px(kCos2, kSin2));
     (void)fourth_px.try_push_back(amplitude_px(kCos4, kSin4));
   }
-  if (size_px.size() < kLeastDots) return {.is_unknown = true};
+  const double centre_fourth = centre_fourth_px / centre_minor_px;
+  if (size_px.size() < kLeastDots) return {.is_unknown = true, .centre_fourth = centre_fourth};
 
   Amounts sorted = size_px;
   const double usual_px = middle_of(sorted);
@@ -150,7 +157,8 @@ OutlineShape shape_of_outlines(const OutlinePixels& pixels, const LandmarkGeomet
           .second = middle_of(second_px) / semi_minor_px,
           .fourth = middle_of(fourth_px) / semi_minor_px,
           .centre = centre_px / mean_px,
-          .centre_size = centre_size_px / mean_px};
+          .centre_size = centre_size_px / mean_px,
+          .centre_fourth = centre_fourth};
 }
 
 namespace {

@@ -99,15 +99,20 @@ bool are_discs(const PoseCandidate& candidate, bool is_coloured) noexcept {
   const OutlineShape& shape = candidate.shape;
   // Motion makes all dots longer in one direction; ellipses that lie in several look blurred alike.
   const double along = along_of(candidate);
-  const double semi_axes_px2 = square(candidate.dot_radius_px) * foreshortening(candidate.outlines.T_camera_landmark);
-  const double most_fourth = kMostFourth + kFourthPerBlur * wide_of(candidate, semi_axes_px2);
+  const auto most_fourth = [&](double radius_px) {
+    const double semi_axes_px2 = square(radius_px) * foreshortening(candidate.outlines.T_camera_landmark);
+    return kMostFourth + kFourthPerBlur * wide_of(candidate, semi_axes_px2);
+  };
   const double most_size = kMostSize + (is_coloured ? kColouredSize : 0);
   const double wider = std::max(candidate.outlines.blur_px2 - kSharp_px2, 0.0) / square(candidate.dot_radius_px);
   const bool centre_is_other =
       !is_coloured && shape.centre_size > kMostCentreSize + kCentrePerBlur * std::min(along, wider);
-  return shape.size <= most_size && shape.second <= kMostSecond + kPerAlong * along && shape.fourth <= most_fourth &&
-         shape.absent == 0 && shape.hollow == 0 && shape.spots < kLeastSpots &&
-         !(has_whole_ring(candidate) && (shape.centre > kMostAside || centre_is_other));
+  const bool centre_is_square =
+      candidate.visible_share[kCentreDot] >= kWholeDot && shape.centre_fourth > most_fourth(candidate.centre_radius_px);
+  return shape.size <= most_size && shape.second <= kMostSecond + kPerAlong * along &&
+         shape.fourth <= most_fourth(candidate.dot_radius_px) && shape.absent == 0 && shape.hollow == 0 &&
+         shape.spots < kLeastSpots &&
+         !(has_whole_ring(candidate) && (shape.centre > kMostAside || centre_is_other || centre_is_square));
 }
 
 /// What hides a landmark comes from outside: it hides P9 after dots of the ring, and neighbours together.
@@ -162,6 +167,7 @@ PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& cam
   candidate.statistics = refiner.statistics();
   candidate.fit = refiner.fit();
   candidate.dot_radius_px = refiner.dot_radius_px();
+  candidate.centre_radius_px = candidate.dot_radius_px * landmark.centre_radius_m / landmark.dot_radius_m;
   candidate.visible_share = refiner.visible_share();
   candidate.dots = refiner.dots();
   PoseEstimate& pose = candidate.pose;

@@ -23,11 +23,15 @@ struct Looked {
 };
 
 /// What the detector's first guess leads to; nothing where it leads nowhere.
-std::optional<Looked> look_at(const test::Sheet& sheet, const test::Viewpoint& viewpoint) {
-  const test::Picture picture = test::render(test::scene_of(sheet, viewpoint), 1);
+std::optional<Looked> look_at(const test::Scene& scene) {
+  const test::Picture picture = test::render(scene, 1);
   const auto best = test::first_fit(picture.view());
   if (!best) return std::nullopt;
   return Looked{*best, fits_picture(*best, PictureNoise(picture.view()))};
+}
+
+std::optional<Looked> look_at(const test::Sheet& sheet, const test::Viewpoint& viewpoint) {
+  return look_at(test::scene_of(sheet, viewpoint));
 }
 
 constexpr test::Viewpoint kUsual{.distance_m = 1.2, .tilt_rad = 0.4, .azimuth_rad = 0.7};
@@ -55,6 +59,7 @@ TEST(OutlineShape, OfTheLandmarkItselfIsThatOfDiscsFromEverySide) {
         EXPECT_LT(shape.size, 0.02);
         EXPECT_LT(shape.second, 0.02);
         EXPECT_LT(shape.fourth, 0.02);
+        EXPECT_LT(shape.centre_fourth, 0.02);
         EXPECT_LT(shape.centre, 0.1);
         EXPECT_LT(shape.centre_size, 0.03);
         EXPECT_EQ(shape.absent, 0);
@@ -71,6 +76,37 @@ TEST(OutlineShape, TellsSquaresOfTheSameArea) {
     EXPECT_NEAR(looked->candidate.shape.fourth, 0.12, 0.03) << distance_m << " m";
     EXPECT_FALSE(looked->fits) << distance_m << " m";
   }
+}
+
+/// Through a lens that blurs, with the noise of a dark hall.
+std::optional<Looked> look_through_blur(const test::Sheet& sheet, double blur_px, double noise_lsb, double distance_m,
+                                        double tilt_rad) {
+  test::Scene scene = test::scene_of(sheet, {.distance_m = distance_m, .tilt_rad = tilt_rad, .azimuth_rad = 0.7});
+  scene.sensor.point_spread_px = blur_px;
+  test::set_noise(scene.sensor, noise_lsb);
+  return look_at(scene);
+}
+
+TEST(OutlineShape, TellsBlurredSquaresByTheMiddleOne) {
+  struct View {
+    double blur_px, noise_lsb, distance_m, tilt_rad;
+  };
+  bool some_ring_is_unknown = false;
+  for (const View& v : {View{1.2, 5, 2.4, 1.0}, View{0.9, 2, 2.4, 1.0}, View{1.2, 5, 2.2, 0.8}, View{1.2, 2, 3.0, 0.4},
+                        View{1.2, 2, 2.8, 0.8}}) {
+    const auto squares = look_through_blur(test::square_dot_sheet(), v.blur_px, v.noise_lsb, v.distance_m, v.tilt_rad);
+    ASSERT_TRUE(squares) << "or this picture tests nothing: " << v.distance_m << " m";
+    EXPECT_LT(squares->candidate.shape.fourth, 0.08) << "or the ring tells: " << v.distance_m << " m";
+    EXPECT_GT(squares->candidate.shape.centre_fourth, 0.06) << v.distance_m << " m";
+    EXPECT_FALSE(squares->fits) << v.distance_m << " m";
+    some_ring_is_unknown |= squares->candidate.shape.is_unknown;
+
+    const auto discs = look_through_blur(test::nine_dot_sheet(), v.blur_px, v.noise_lsb, v.distance_m, v.tilt_rad);
+    ASSERT_TRUE(discs) << v.distance_m << " m";
+    EXPECT_LT(discs->candidate.shape.centre_fourth, 0.02) << v.distance_m << " m";
+    EXPECT_TRUE(discs->fits) << v.distance_m << " m";
+  }
+  EXPECT_TRUE(some_ring_is_unknown);
 }
 
 TEST(OutlineShape, TellsDotsThatAreLongerOneWay) {
