@@ -89,12 +89,11 @@ FitAllowance LandmarkSeeker::allowance(bool is_foretold) const noexcept {
 Result<std::size_t> LandmarkSeeker::follow_outlines(const Frame& frame, Track& track) noexcept {
   const auto untrackable = fail(Errc::kNoLandmark, "its outlines can't be foretold well enough");
   if (options_.solver != Solver::kFull || !track.may_follow_outlines()) return untrackable;
-  const CameraFromLandmark expected = track.expected_at(frame.exposed_at());
-  const RowMotion motion = motion_of(track, expected.translation_m, false);
+  const PoseExpectation expected = track.expectation(frame.exposed_at());
+  const RowMotion motion = motion_of(track, expected.T_camera_landmark.translation_m, false);
   NINEDOT_TRY(candidates_, full_.follow(luma_, expected, *track.prior(), budget_.pixels, motion.sheet));
   const PoseCandidate& followed = candidates_.list[0];
-  if (!track.accepts(followed, frame.exposed_at()) || !fits_picture(followed, noise_, allowance(true)))
-    return fail(Errc::kNoLandmark, "the landmark is not as it was");
+  if (!fits_picture(followed, noise_, allowance(true))) return fail(Errc::kNoLandmark, "the landmark is not as it was");
   row_motion_ = motion;
   // It was fitted as if it stood still, and is found where it nearly did: what it moved is all that was left out.
   const Eigen::Vector3d now_m = followed.pose.T_landmark_camera.inverse().translation_m;

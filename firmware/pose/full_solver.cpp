@@ -247,11 +247,11 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
   return candidates;
 }
 
-Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const CameraFromLandmark& expected,
+Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const PoseExpectation& expected,
                                           const PosePrior& prior, int& pixels, const SheetMotion& motion) noexcept {
   Workspace& w = *workspace_;
   OutlineState start = prior.outlines;
-  start.T_camera_landmark = expected;
+  start.T_camera_landmark = expected.T_camera_landmark;
   start.motion = motion;
   const auto lost = fail(Errc::kNoLandmark, "the landmark is not where it was expected");
   if (!w.first.refine(luma, start, OutlineRefiner::Start::kExpected, prior.warp_px, pixels).has_converged() ||
@@ -260,9 +260,11 @@ Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const CameraFro
   PoseCandidates candidates;
   candidates.warp_px = prior.warp_px;
   const PoseCandidate believed = candidate_of(w.first, w.camera, w.landmark);
+  if (!expected.includes(believed)) return lost;  // before its mirror image takes the pixels that a search will need
   const auto mirror = w.weigh_mirror(luma, &prior, prior.warp_px, pixels);
   if (pixels <= 0 && mirror && !mirror->refined) return lost;
   list_by_fit(believed, mirror, candidates);
+  if (!expected.includes(candidates.list[0])) return lost;
   return candidates;
 }
 

@@ -7,6 +7,7 @@
 #include "geometry/camera_model.h"
 #include "image/image_view.h"
 #include "pose/estimate.h"
+#include "pose/pose_expectation.h"
 
 namespace ninedot {
 
@@ -44,11 +45,10 @@ class FullSolver {
                                int& pixels, const SheetMotion& motion = {}) noexcept;
 
   /// The pose without a detector: from the outlines where they are expected. It takes about half the time, and the
-  /// answer is that of `solve`. \param expected  the sheet before the camera in this picture, outlines within about
-  /// half a pixel
+  /// answer is that of `solve`. \param expected  what is found and not like that is not the landmark
   /// \error kNoLandmark: it is not quite there, edges of light seem to cross most of its dots, or there were no pixels
   /// left to refine an open mirror image with: detect it
-  Result<PoseCandidates> follow(const ImageView& luma, const CameraFromLandmark& expected, const PosePrior& prior,
+  Result<PoseCandidates> follow(const ImageView& luma, const PoseExpectation& expected, const PosePrior& prior,
                                 int& pixels, const SheetMotion& motion = {}) noexcept;
 
   /// The pose of another solver, once its outlines have been moved to where they fit the picture best.

@@ -12,7 +12,10 @@
 namespace ninedot {
 namespace {
 
-constexpr double kWholeDotBelow_px = 7.0;  // semi-minor axis; larger dots are cut into stretches of kSector_px:
+// Semi-minor axis; larger dots are cut into stretches of kSector_px. Each has two grey levels of its own, which take
+// half of what its pixels say of the outline's place; a whole dot's opposite sides share them. P9, of which a part is
+// often all that is in sight of half a landmark, is cut sooner.
+constexpr double kWholeDotBelow_px = 12.0, kWholeCentreBelow_px = 7.0;
 constexpr double kSector_px = 12.0;    // in a band of 5 px 60 pixels, enough for two grey levels and a shift of 0.01 px
 constexpr double kBlurReach_px = 2.0;  // beyond the band, from where an edge still changes the band's outermost pixels
 // A neighbour's blurred ink is a hundredth of its contrast at three quarters of the band: 2.3 sigmas of the blur.
@@ -71,6 +74,10 @@ RowShift shift_rows(const CameraFromLandmark& T, const Eigen::Vector2d& centre_m
   normalised_per_px.col(1) -= ray_per_row;
   return {static_cast<float>(ray_per_row.x()), static_cast<float>(ray_per_row.y()),
           static_cast<float>(motion.middle_row_px)};
+}
+
+bool is_small(const DotEllipse& e, std::size_t dot) noexcept {
+  return e.semi_minor_px < (dot == kCentreDot ? kWholeCentreBelow_px : kWholeDotBelow_px);
 }
 
 /// Where rows cross the ellipses |M (x - c)| = factor. With the columns a, b of M: |a dx + b dy| = factor.
@@ -292,7 +299,7 @@ bool append_sorted(const ImageView& luma, const RayTable& rays, const DotBand& d
 bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e, const Neighbours& neighbours,
                 const RowShift& shift, std::uint8_t dot, double band_px, int thin, bool split, bool at_paper_edge,
                 OutlinePixels& out) noexcept {
-  const bool small = e.semi_minor_px < kWholeDotBelow_px;
+  const bool small = is_small(e, dot);
   const bool whole = small && !(split && e.semi_minor_px > kSplitAbove_px);
   const double length_px = std::numbers::pi * (e.semi_major_px + e.semi_minor_px);
   const std::size_t sectors =
@@ -341,9 +348,8 @@ void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, co
       shifts[dot] =
           shift_rows(T_camera_landmark, landmark.centre_m(dot), motion, ellipses[dot], out.normalised_per_px[dot]);
     const DotEllipse& e = ellipses[dot];
-    expected += e.semi_minor_px < kWholeDotBelow_px
-                    ? std::numbers::pi * (e.semi_major_px + band_px) * (e.semi_minor_px + band_px)
-                    : std::numbers::pi * (e.semi_major_px + e.semi_minor_px) * 2 * band_px;
+    expected += is_small(e, dot) ? std::numbers::pi * (e.semi_major_px + band_px) * (e.semi_minor_px + band_px)
+                                 : std::numbers::pi * (e.semi_major_px + e.semi_minor_px) * 2 * band_px;
   }
   const int thin = std::max(thinning, 1 + static_cast<int>(1.1 * expected / static_cast<double>(out.luma.size())));
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {

@@ -54,6 +54,9 @@ constexpr double kLastStep_chi2 = 3, kLastStep_px = 0.05, kLeftSigmas = 0.1;
 // guess), and where its groups may be weighed as if it were right (the floor of the last stages, twice). A second step
 // that is still as long says that the first one led nowhere.
 constexpr double kExpectedReach_px = 1, kExpectedClose_px = 0.25, kExpectedSecond_px = 0.7;
+// Outlines that are not where they were expected look blurred, and take three times the pixels at last. Motion that
+// begins between two frames doubles the band at most.
+constexpr double kExpectedWider = 2;
 // The weights were of the place before a step: where the step before it was longer than this, they are out of date.
 constexpr double kCalm_px = 0.03;
 constexpr double kUnseenShare = 1e-3;  // of a dot's information: directions that its outline says less of
@@ -86,6 +89,7 @@ const OptimiserStatistics& OutlineRefiner::refine(const ImageView& luma, const O
   // What is about where it was foretold is seen as it was; of a guess that is not, slopes of the ink are misfit.
   pixels_.ink_share = quality == Start::kExpected ? kUsualInkShare : 0;
   last_step_px_ = 0;
+  start_band_px_ = band_of(start);
   const int first = quality == Start::kRough ? kRoughStage : kCloseStage;
   statistics_ = gauss_newton(*this, first, static_cast<int>(kStages.size()));
   // What was foretold and not seen has to settle.
@@ -160,6 +164,7 @@ StepVerdict OutlineRefiner::take(int stage, const Step& step) noexcept {
   const double by_px = step_px(step);
   const bool first_of_expectation = is_first_of_expectation(stage), expected = quality_ == Start::kExpected;
   if (expected && !first_of_expectation && by_px > kExpectedSecond_px) return StepVerdict::kLedNowhere;
+  if (expected && band_of(state_) > kExpectedWider * start_band_px_) return StepVerdict::kLedNowhere;
   const bool is_calm = !expected || last_step_px_ < kCalm_px;
   const bool is_fine = first_of_expectation ? expectation_is_close_ : stage_of(stage).may_settle;
   look_.moved_px += by_px;

@@ -96,6 +96,7 @@ class OutlineRefiner {
   int pixels_left_ = 0;
   Look look_;
   double last_step_px_ = 0;
+  double start_band_px_ = 0;           ///< of the state that refine() began with
   bool expectation_is_close_ = false;  // its first step was short: it may be the last
 
   OutlinePixels pixels_;

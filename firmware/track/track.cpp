@@ -20,15 +20,6 @@ constexpr double kLittleSurprise_px = 0.5;
 constexpr double kLastingShare = 0.5;
 constexpr double kUsableSurprise_px = 12;  // the least margin around the window of a search (detect/detector.cpp)
 constexpr double kSettled = 1e-4;  // weight of the mirror image in a track that has told the two planar solutions apart
-// Times the residual of the frame before, and a bit (what one frame's residual scatters by): something else is in
-// sight.
-constexpr double kWorseFit = 1.5, kBit_px = 0.03;
-// Times the 1-sigma of the frame before: the same dots in the same light are as certain, to a third; another reading of
-// them is not.
-constexpr double kLessCertain = 3;
-// From where the track expects the pose: within its uncertainty, and what a head or a robot turns in a frame beyond the
-// motion of the frame before.
-constexpr double kExpectedSigmas = 6, kUnforetoldTurn_rad = 0.03;
 
 // How fast a robot, or a head on it, turns before a landmark: half a turn in three seconds, 1-sigma.
 constexpr double kUsualRate_rad_s = 1;
@@ -137,17 +128,7 @@ void Track::note_numbering() noexcept {
 
 bool Track::may_follow_outlines() const noexcept { return has_pose_ && surprise_px_ < kLittleSurprise_px; }
 
-bool Track::accepts(const PoseCandidate& followed, MonoTime exposed_at) const noexcept {
-  const Matrix6d &before = pose_.covariance, &now = followed.pose.covariance;
-  const auto position_variance = [](const Matrix6d& C) { return C.topLeftCorner<3, 3>().trace(); };
-  const auto rotation_variance = [](const Matrix6d& C) { return C.bottomRightCorner<3, 3>().trace(); };
-  const double turn_rad = angle_between_rad(expected_at(exposed_at), followed.pose.T_landmark_camera.inverse());
-  return followed.pose.dots_used >= pose_.dots_used && followed.pose.rms_px <= kWorseFit * pose_.rms_px + kBit_px &&
-         position_variance(now) <= kLessCertain * kLessCertain * position_variance(before) &&
-         rotation_variance(now) <= kLessCertain * kLessCertain * rotation_variance(before) &&
-         turn_rad <=
-             kUnforetoldTurn_rad + kExpectedSigmas * std::sqrt(rotation_variance(before) + rotation_variance(now));
-}
+PoseExpectation Track::expectation(MonoTime exposed_at) const noexcept { return {expected_at(exposed_at), pose_}; }
 
 void Track::see(const LandmarkObservation& seen) noexcept {
   sighting_ = seen;

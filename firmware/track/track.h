@@ -58,9 +58,8 @@ class Track {
 
   /// Its motion is foretold so well that its outlines may be looked for at once.
   bool may_follow_outlines() const noexcept;
-  /// A pose found by following outlines is what the track was after: as many dots, as good a fit, as certain, and
-  /// turned as the track expects it; where it is in the picture the solver has asked. \pre prior() (contract)
-  bool accepts(const PoseCandidate& followed, MonoTime exposed_at) const noexcept;
+  /// What a pose found by following outlines is like if it is what the track is after. \pre prior() (contract)
+  PoseExpectation expectation(MonoTime exposed_at) const noexcept;
 
   /// The frame shows the landmark, whatever comes of it.
   void see(const LandmarkObservation& seen) noexcept;

@@ -304,14 +304,19 @@ struct OnePicture {
     if (!candidates) return;
     const PoseCandidate& best = candidates->list[0];
     prior = PosePrior{best.pose.T_landmark_camera.inverse(), best.outlines, candidates->warp_px, true};
+    pose = best.pose;
   }
-  Result<PoseCandidates> follow(const test::Scene& scene, std::uint64_t seed) {
+  /// \param as_before  what is not like the first picture's pose is not followed
+  Result<PoseCandidates> follow(const test::Scene& scene, std::uint64_t seed, bool as_before = true) {
     const test::Picture picture = test::render(scene, seed);
-    int pixels = WorkBudget{}.pixels;
-    return solver.follow(picture.view(), prior->T_camera_landmark, *prior, pixels);
+    pixels_left = WorkBudget{}.pixels;
+    return solver.follow(picture.view(), {prior->T_camera_landmark, as_before ? pose : std::nullopt}, *prior,
+                         pixels_left);
   }
   FullSolver solver{CameraModel{}, LandmarkGeometry{}};
   std::optional<PosePrior> prior;
+  std::optional<PoseEstimate> pose;
+  int pixels_left = 0;  ///< of the last follow()
 };
 
 TEST(FullSolverTrack, FindsThePoseOfASolverThatWasToldWhereToLook) {
@@ -363,6 +368,19 @@ TEST(FullSolverTrack, AsksForADetectorWhenTheLandmarkIsNotQuiteThere) {
   }
 }
 
+TEST(FullSolverTrack, LeavesASearchItsPixelsWhereTheSheetHasTurned) {
+  constexpr int kOfASearch = 8000;
+  for (const double azimuth_rad : {1.3, 3.9, 5.2}) {
+    const test::Viewpoint viewpoint{.distance_m = 1.5, .tilt_rad = 1.1, .azimuth_rad = azimuth_rad};
+    OnePicture before(scene_at(viewpoint));
+    ASSERT_TRUE(before.prior.has_value());
+    test::Viewpoint turned = viewpoint;
+    turned.azimuth_rad += 2.1;
+    EXPECT_FALSE(before.follow(scene_at(turned), 2).has_value()) << azimuth_rad;
+    EXPECT_GT(before.pixels_left, kOfASearch) << azimuth_rad;
+  }
+}
+
 TEST(FullSolverTrack, FollowsWhereAShadowHasJustFallen) {
   const test::Viewpoint viewpoint{.distance_m = 2.5, .tilt_rad = 0.5};
   OnePicture before(scene_at(viewpoint));
@@ -370,7 +388,7 @@ TEST(FullSolverTrack, FollowsWhereAShadowHasJustFallen) {
   for (const double offset_m : {-0.05, 0.0, 0.05}) {
     test::Scene shaded = scene_at(viewpoint);
     shaded.light.shadows.push_back({.direction_rad = 0.4, .offset_m = offset_m, .width_m = 0.1, .remaining = 0.4});
-    const auto followed = test::best_pose(before.follow(shaded, 2));
+    const auto followed = test::best_pose(before.follow(shaded, 2, false));
     ASSERT_TRUE(followed.has_value()) << offset_m;
     const Vector6d error = errors_of(shaded, *followed).pose;
     EXPECT_LT(std::sqrt(error.dot(followed->covariance.inverse() * error)), 4.5) << offset_m;  // 0.2 % of six freedoms

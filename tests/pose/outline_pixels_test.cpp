@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -101,6 +102,27 @@ Collected count_of(const OutlinePixels& pixels, const RayTable& rays, const Imag
 }
 
 /// Small dots as a whole, larger ones in sectors, thinned and not.
+/// Opposite sides of a dot that is one group say of its outline's place what stretches of it, each with grey levels of
+/// its own, do not.
+TEST(OutlinePixels, RingDotsAreOneGroupUpTo12PxAndTheCentreUpTo7Px) {
+  const CameraModel lens = camera();
+  const RayTable rays(lens);
+  const std::vector<std::uint8_t> grey(
+      static_cast<std::size_t>(lens.width_px) * static_cast<std::size_t>(lens.height_px), 128);
+  const ImageView luma{grey.data(), lens.width_px, lens.height_px, lens.width_px};
+  OutlinePixels pixels(12000);
+  const auto groups_at = [&](double distance_m) {
+    collect_outline_pixels(luma, lens, rays, {}, sheet_at(distance_m), 3.0, 1, {}, {}, pixels);
+    std::array<int, kDotCount> groups{};
+    for (const OutlineGroup& group : pixels.groups) ++groups[group.dot];
+    return groups;
+  };
+  EXPECT_GE(groups_at(0.6)[0], 8) << "12.7 px";
+  EXPECT_EQ(groups_at(0.7)[0], 1) << "10.9 px";
+  EXPECT_GE(groups_at(2.0)[kCentreDot], 8) << "7.6 px";
+  EXPECT_EQ(groups_at(2.4)[kCentreDot], 1) << "6.4 px";
+}
+
 TEST(OutlinePixels, EveryPixelOfTheBandIsThereOnce) {
   constexpr double kBand_px = 3;
   const CameraModel lens = camera();

@@ -208,12 +208,12 @@ TEST(Track, RefusesFollowedOutlinesWithFewerDotsOrAWorseFit) {
   taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));
   const MonoTime next(1s + 20ms);
   PoseCandidate followed = reading(sheet_at(0.3));
-  EXPECT_TRUE(track.accepts(followed, next));
+  EXPECT_TRUE(track.expectation(next).includes(followed));
   followed.pose.rms_px = 0.2;
-  EXPECT_FALSE(track.accepts(followed, next));
+  EXPECT_FALSE(track.expectation(next).includes(followed));
   followed.pose.rms_px = 0.1;
   followed.pose.dots_used = 8;
-  EXPECT_FALSE(track.accepts(followed, next));
+  EXPECT_FALSE(track.expectation(next).includes(followed));
 }
 
 TEST(Track, RefusesFollowedOutlinesThatAreLessCertainOrTurnedInAnyFreedom) {
@@ -223,13 +223,13 @@ TEST(Track, RefusesFollowedOutlinesThatAreLessCertainOrTurnedInAnyFreedom) {
   for (Eigen::Index block : {0, 3}) {
     PoseCandidate unsure = reading(sheet_at(0.3));
     unsure.pose.covariance.block<3, 3>(block, block) *= 16;
-    EXPECT_FALSE(track.accepts(unsure, next)) << "four times as uncertain: block " << block;
+    EXPECT_FALSE(track.expectation(next).includes(unsure)) << "four times as uncertain: block " << block;
   }
-  EXPECT_TRUE(track.accepts(reading(sheet_at(0.32)), next));
-  EXPECT_FALSE(track.accepts(reading(sheet_at(0.25)), next)) << "leaning by 0.05 rad less within a frame";
+  EXPECT_TRUE(track.expectation(next).includes(reading(sheet_at(0.32))));
+  EXPECT_FALSE(track.expectation(next).includes(reading(sheet_at(0.25)))) << "leaning by 0.05 rad less within a frame";
   CameraFromLandmark rolled_away = sheet_at(0.3);
   rolled_away.rotation = exp_so3({0, 0, 0.05}) * rolled_away.rotation;
-  EXPECT_FALSE(track.accepts(reading(rolled_away), next));
+  EXPECT_FALSE(track.expectation(next).includes(reading(rolled_away)));
 }
 
 /// As a level camera sees the sheet, rolled.
