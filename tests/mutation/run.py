@@ -3,6 +3,7 @@
 
     run.py copy FOLDER               the repository's files into FOLDER, those alone that differ
     run.py judge [--hil] [--again] [PATTERN]      in the copy
+    run.py places                    whether each mutation has its place in the sources, once
 """
 
 import hashlib
@@ -174,9 +175,20 @@ def green_without(mutations):
     return green
 
 
+def tell_places():
+    mutations = read_list()
+    lost = [mutation for mutation in mutations if not mutation.applies()]
+    for mutation in lost:
+        print(f"{mutation.file}: not there, or more than once: {mutation.before.strip()}", file=sys.stderr)
+    print(f"mutations: {len(mutations) - len(lost)} of {len(mutations)} have their place")
+    return 1 if lost or not mutations else 0
+
+
 def main(arguments):
     if arguments[:1] == ["copy"] and len(arguments) == 2:
         return copy_to(pathlib.Path(arguments[1]).resolve())
+    if arguments == ["places"]:
+        return tell_places()
     if arguments[:1] != ["judge"]:
         sys.exit(__doc__)
     with_hil, again = "--hil" in arguments, "--again" in arguments
