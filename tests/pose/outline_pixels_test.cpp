@@ -101,7 +101,6 @@ Collected count_of(const OutlinePixels& pixels, const RayTable& rays, const Imag
   return collected;
 }
 
-/// Small dots as a whole, larger ones in sectors, thinned and not.
 /// Opposite sides of a dot that is one group say of its outline's place what stretches of it, each with grey levels of
 /// its own, do not.
 TEST(OutlinePixels, RingDotsAreOneGroupUpTo12PxAndTheCentreUpTo7Px) {
@@ -123,6 +122,7 @@ TEST(OutlinePixels, RingDotsAreOneGroupUpTo12PxAndTheCentreUpTo7Px) {
   EXPECT_EQ(groups_at(2.4)[kCentreDot], 1) << "6.4 px";
 }
 
+/// Small dots as a whole, larger ones in sectors, thinned and not.
 TEST(OutlinePixels, EveryPixelOfTheBandIsThereOnce) {
   constexpr double kBand_px = 3;
   const CameraModel lens = camera();
