@@ -1,11 +1,9 @@
-"""The bundled recording in a quarter of its size, as one file: it is played a thousand times a second and takes little of the machine."""
+"""The middle of the bundled recording, in which the landmark stays, as one file: it is played a thousand times a second, and half as many pixels each way take less of the machine."""
 
-import pathlib
-import re
 import struct
 import zlib
 
-SHRINK = 4
+LEFT, TOP, WIDTH, HEIGHT = 160, 120, 320, 240
 
 
 def grey_png(path):
@@ -44,31 +42,18 @@ def grey_png(path):
     return width, height, rows
 
 
-def shrunken(width, height, rows):
-    """Returns the mean of each square of pixels"""
-    picture = bytearray()
-    for top in range(0, height, SHRINK):
-        sums = [0] * (width // SHRINK)
-        for row in rows[top:top + SHRINK]:
-            for x in range(SHRINK):
-                sums = [total + value for total, value in zip(sums, row[x::SHRINK])]
-        picture += bytes(total // SHRINK**2 for total in sums)
-    return bytes(picture)
-
-
 def make(source, folder):
     """Writes soak.y4m and camera.yaml into the folder and returns the size of its pictures"""
-    frames = sorted((source / "frames").iterdir())
     with open(folder / "soak.y4m", "wb") as file:
-        for number, path in enumerate(frames):
-            width, height, rows = grey_png(path)
-            if number == 0:
-                file.write(f"YUV4MPEG2 W{width // SHRINK} H{height // SHRINK} F35:1 Ip A1:1 Cmono\n".encode())
-            file.write(b"FRAME\n" + shrunken(width, height, rows))
+        file.write(f"YUV4MPEG2 W{WIDTH} H{HEIGHT} F35:1 Ip A1:1 Cmono\n".encode())
+        for path in sorted((source / "frames").iterdir()):
+            _, _, rows = grey_png(path)
+            file.write(b"FRAME\n" + b"".join(row[LEFT:LEFT + WIDTH] for row in rows[TOP:TOP + HEIGHT]))
     text = (source / "camera.yaml").read_text()
-    text = re.sub(r"(image_(?:width|height): )(\d+)", lambda m: f"{m[1]}{int(m[2]) // SHRINK}", text)
-    focal, centre_x, centre_y = 720 / SHRINK, (319.5 + 0.5) / SHRINK - 0.5, (239.5 + 0.5) / SHRINK - 0.5
-    text = re.sub(r"data: \[720, 0, 319.5, 0, 720, 239.5, 0, 0, 1\]", f"data: [{focal}, 0, {centre_x}, 0, {focal}, {centre_y}, 0, 0, 1]", text)
-    text = re.sub(r"data: \[720, 0, 319.5, 0, 0, 720, 239.5, 0, 0, 0, 1, 0\]", f"data: [{focal}, 0, {centre_x}, 0, 0, {focal}, {centre_y}, 0, 0, 0, 1, 0]", text)
-    (pathlib.Path(folder) / "camera.yaml").write_text(text)
-    return width // SHRINK, height // SHRINK
+    # The middle of what is left is half a pixel before its half width, as it was of the whole.
+    for before, after in (("width: 640", f"width: {WIDTH}"), ("height: 480", f"height: {HEIGHT}"), ("319.5", str(319.5 - LEFT)), ("239.5", str(239.5 - TOP))):
+        if before not in text:
+            raise SystemExit(f"{source}/camera.yaml: no '{before}'")
+        text = text.replace(before, after)
+    (folder / "camera.yaml").write_text(text)
+    return WIDTH, HEIGHT

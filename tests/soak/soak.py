@@ -29,6 +29,8 @@ SETTLED_AFTER_H = 2
 SETTLING_KIB = 4096
 SLACK_KIB = 512
 PATIENCE_S = 60
+# The landmark is in each picture; the track has to find it anew where the recording begins again and where a map moves it.
+LEAST_VALID = 0.9
 
 MAP = "[[landmarks]]\nid = 1\nposition_mm = [{}, 0, 0]\n"
 
@@ -108,6 +110,18 @@ class Client:
         return struct.unpack(f">{count}H", reply[9:9 + 2 * count])
 
 
+class Counter16:
+    """A 16-bit counter that is read often enough to see each of its wraps."""
+
+    def __init__(self, value):
+        self.value, self.counted, self.wraps = value, 0, 0
+
+    def note(self, value):
+        self.counted += value - self.value & 0xFFFF
+        self.wraps += value < self.value
+        self.value = value
+
+
 class Soak:
     def __init__(self, programs, seed):
         self.folder = tempfile.TemporaryDirectory(prefix="ninedot-soak-")
@@ -153,7 +167,7 @@ realtime_priority = 0
         self.frames_at_start = self.frames(self.offset)
         until(lambda: self.counters()["serial_open"], "the serial line is open")
         self.first = self.settled = self.state()
-        self.heartbeat_wraps, self.last_heartbeat = 0, self.offset["heartbeat"]
+        self.heartbeat, self.poses = Counter16(self.offset["heartbeat"]), Counter16(self.offset["poses"])
 
     def connects(self):
         require(self.service.poll() is None, f"the service has ended: {self.log_text()}")
@@ -171,7 +185,7 @@ realtime_priority = 0
         wide = lambda block, at: block[at] << 16 | block[at + 1]
         require(low[2] == wide(low, 61) & 0xFFFF, f"the heartbeat {low[2]} is not the low half of {wide(low, 61)} processed frames")
         require(low[3] == low[39], "the pose's number differs within one reply")
-        return {"heartbeat": low[2], "processed": wide(low, 61), "dropped": wide(low, 63), "failed": wide(low, 65), "restarts": low[67], "uptime": wide(low, 73),
+        return {"heartbeat": low[2], "poses": low[3], "processed": wide(low, 61), "dropped": wide(low, 63), "failed": wide(low, 65), "restarts": low[67], "uptime": wide(low, 73),
                 "serial_open": low[78] >> 2 & 1, "requests": wide(high, 2), "connections": wide(high, 4), "refused": wide(high, 6), "expired": wide(high, 8), "rtu_losses": high[12]}
 
     def frames(self, counters):
@@ -256,16 +270,15 @@ realtime_priority = 0
             status = dict(line.split(":", 1) for line in file)
         return {"rss_kib": int(status["VmRSS"].split()[0]), "threads": int(status["Threads"]), "files": len(os.listdir(f"{folder}/fd"))}
 
-    def watch_heartbeat(self, counters):
-        if counters["heartbeat"] < self.last_heartbeat:
-            self.heartbeat_wraps += 1
-        self.last_heartbeat = counters["heartbeat"]
+    def watch(self, counters):
+        self.heartbeat.note(counters["heartbeat"])
+        self.poses.note(counters["poses"])
 
     def play_until(self, frame):
         while True:
             require(self.service.poll() is None, f"the service has ended: {self.log_text()[-2000:]}")
             counters = self.counters()
-            self.watch_heartbeat(counters)
+            self.watch(counters)
             if self.frames(counters) - self.frames_at_start >= frame:
                 return counters
             time.sleep(0.1)
@@ -273,14 +286,15 @@ realtime_priority = 0
     def check(self, hour, started):
         until(lambda: self.client.read(77, 1)[0] <= 2, "all clients but this one and the line are gone")
         counters, state = self.counters(), self.state()
-        self.watch_heartbeat(counters)
+        self.watch(counters)
         grown = {key: counters[key] - self.offset[key] for key in counters}
         require(grown["failed"] == 0 and grown["restarts"] == 0, f"frames failed: {grown}")
         came = grown["connections"] + grown["refused"] + 1
         require(came == self.expected["connections"], f"{came} connections counted, {self.expected['connections']} made")
         require(grown["rtu_losses"] == self.expected["rtu_losses"], f"{grown['rtu_losses']} losses of the line counted, {self.expected['rtu_losses']} made")
-        wraps = (self.frames_processed(counters) >> 16) - (self.frames_processed(self.offset) >> 16)
-        require(wraps == self.heartbeat_wraps, f"the heartbeat wrapped {self.heartbeat_wraps} times, {wraps} are due")
+        wraps = (counters["processed"] >> 16) - (self.offset["processed"] >> 16)
+        require(wraps == self.heartbeat.wraps, f"the heartbeat wrapped {self.heartbeat.wraps} times, {wraps} are due")
+        require(self.poses.counted >= LEAST_VALID * grown["processed"], f"{self.poses.counted} valid poses in {grown['processed']} frames, all of which show a landmark")
         require(abs(counters["uptime"] - (time.monotonic() - started)) < 30, f"up {counters['uptime']} s by itself, {time.monotonic() - started:.0f} s by this clock")
         if hour <= SETTLED_AFTER_H:
             self.settled = state
@@ -289,11 +303,7 @@ realtime_priority = 0
         require(state["rss_kib"] <= most, f"memory grows: {state['rss_kib']} KiB, {self.first['rss_kib']} at first, {most} permitted")
         lines = self.log_text().count("\n")
         require(lines < 100 * (hour + 1), f"{lines} lines of log in {hour} hours")
-        return {"hour": hour, "processed": grown["processed"], "dropped": grown["dropped"], "wraps": wraps, "requests": grown["requests"], "expired": grown["expired"], "log_lines": lines, **state}
-
-    @staticmethod
-    def frames_processed(counters):
-        return counters["processed"]
+        return {"hour": hour, "processed": grown["processed"], "dropped": grown["dropped"], "poses": self.poses.counted, "wraps": wraps, "requests": grown["requests"], "expired": grown["expired"], "log_lines": lines, **state}
 
     def hour(self, number, started):
         begin = (number - 1) * FRAMES_PER_HOUR
@@ -341,7 +351,7 @@ def main():
         for number in range(1, arguments.hours + 1):
             row = soak.hour(number, started)
             row["seconds"] = round(time.monotonic() - started)
-            print(f"hour {number} of {arguments.hours}: {row['processed']} frames processed, {row['dropped']} dropped, {row['requests']} requests, "
+            print(f"hour {number} of {arguments.hours}: {row['processed']} frames processed, {row['poses']} poses valid, {row['dropped']} dropped, {row['requests']} requests, "
                   f"{row['rss_kib']} KiB, {row['threads']} threads, {row['files']} files, {row['seconds']} s", flush=True)
             if out:
                 out.write(json.dumps(row) + "\n")
@@ -353,7 +363,7 @@ def main():
     finally:
         soak.abandon()
     print(f"ok: {arguments.hours} simulated hours ({arguments.hours * FRAMES_PER_HOUR} frames) in {time.monotonic() - started:.0f} s: memory, threads and open files flat, "
-          f"heartbeat wrapped {soak.heartbeat_wraps} times, every counter right")
+          f"heartbeat wrapped {soak.heartbeat.wraps} times, every counter right")
     return 0
 
 
