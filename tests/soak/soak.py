@@ -123,10 +123,13 @@ class Counter16:
 
 
 class Soak:
-    def __init__(self, programs, seed):
+    def __init__(self, seed):
         self.folder = tempfile.TemporaryDirectory(prefix="ninedot-soak-")
-        place = pathlib.Path(self.folder.name)
         self.random = random.Random(seed)
+        self.line = self.service = self.client = None
+
+    def begin(self, programs):
+        place = pathlib.Path(self.folder.name)
         size = recording.make(pathlib.Path("tests/recordings/approach"), place)
         self.line = Line(place)
         self.map = place / "map.toml"
@@ -158,7 +161,6 @@ realtime_priority = 0
         self.log_path = place / "log"
         self.log = open(self.log_path, "w", encoding="utf-8")
         self.service = subprocess.Popen([programs / "ninedotd", "--config", config], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=self.log)
-        self.client = None
         until(self.connects, "the service answers")
         self.map_again()  # its thread is there from the first time on
         # What was done to the service, and so what its counters have to say.
@@ -327,12 +329,11 @@ realtime_priority = 0
         require(status == 0, f"ended with status {status}: {self.log_text()[-2000:]}")
 
     def abandon(self):
-        if self.service.poll() is None:
+        if self.service and self.service.poll() is None:
             self.service.kill()
             self.service.wait()
-        if self.line.cable.poll() is None:
+        if self.line and self.line.cable.poll() is None:
             self.line.cut()
-        self.log.close()
 
 
 def main():
@@ -345,9 +346,10 @@ def main():
     # Whoever ends the soak ends what it has started.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     started = time.monotonic()
-    soak = Soak(arguments.programs, arguments.seed)
+    soak = Soak(arguments.seed)
     out = open(arguments.out, "w", encoding="utf-8") if arguments.out else None
     try:
+        soak.begin(arguments.programs)
         for number in range(1, arguments.hours + 1):
             row = soak.hour(number, started)
             row["seconds"] = round(time.monotonic() - started)
