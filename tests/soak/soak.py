@@ -170,6 +170,7 @@ realtime_priority = 0
         until(lambda: self.counters()["serial_open"], "the serial line is open")
         self.first = self.settled = self.state()
         self.heartbeat, self.poses = Counter16(self.offset["heartbeat"]), Counter16(self.offset["poses"])
+        self.before = 0, 0  # the last hour's end: frames processed, poses valid
 
     def connects(self):
         require(self.service.poll() is None, f"the service has ended: {self.log_text()}")
@@ -296,7 +297,9 @@ realtime_priority = 0
         require(grown["rtu_losses"] == self.expected["rtu_losses"], f"{grown['rtu_losses']} losses of the line counted, {self.expected['rtu_losses']} made")
         wraps = (counters["processed"] >> 16) - (self.offset["processed"] >> 16)
         require(wraps == self.heartbeat.wraps, f"the heartbeat wrapped {self.heartbeat.wraps} times, {wraps} are due")
-        require(self.poses.counted >= LEAST_VALID * grown["processed"], f"{self.poses.counted} valid poses in {grown['processed']} frames, all of which show a landmark")
+        processed, valid = grown["processed"] - self.before[0], self.poses.counted - self.before[1]
+        require(valid >= LEAST_VALID * processed, f"{valid} valid poses in the {processed} frames of hour {hour}, all of which show a landmark")
+        self.before = grown["processed"], self.poses.counted
         require(abs(counters["uptime"] - (time.monotonic() - started)) < 30, f"up {counters['uptime']} s by itself, {time.monotonic() - started:.0f} s by this clock")
         if hour <= SETTLED_AFTER_H:
             self.settled = state
