@@ -34,12 +34,12 @@ make_base() {
   mirror=${NINEDOT_MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' | sort -u | head -n 1)}
   [[ -n $mirror ]] || fail "no Debian archive in this machine's apt sources: set NINEDOT_MIRROR"
   base=$cache/installed-$suite-$({ for package in "${packages[@]}"; do dpkg-deb -f "$package" Depends; done; echo "${needed[*]}"; } | sha256sum | cut -c 1-12).tar
-  [[ ! -s $base || -n $(find "$base" -mtime +7) ]] || return 0
+  [[ ! -f $base || -n $(find "$base" -mtime +7) ]] || return 0
   echo "making a Debian $suite with systemd and what the packages need"
   part=$base.$$
   # Installed once so that all they need is there, and removed again: which rights and states they leave is theirs to say, each time.
   # shellcheck disable=SC2016
-  mmdebstrap --quiet --mode=root --variant=minbase --include="$(IFS=,; echo "${needed[*]}")" \
+  mmdebstrap --quiet --mode=root --variant=minbase --format=tar --include="$(IFS=,; echo "${needed[*]}")" \
     --customize-hook="copy-in ${packages[*]} /root" \
     --customize-hook='chroot "$1" sh -c "apt-get -q -y --no-install-recommends install /root/*.deb && apt-get -q -y purge ninedot ninedot-web && rm /root/*.deb"' \
     "$suite" "$part" "$mirror" > "$out/base.log" 2>&1 || { tail -n 5 "$out/base.log" >&2; rm -f "$part"; fail "no Debian could be made: $out/base.log"; }
