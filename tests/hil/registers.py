@@ -1,7 +1,15 @@
 """One read of the service's registers (docs/registers.md), and whether it is the pose of a row of `ninedot replay`."""
 
 import math
+import pathlib
+import re
 import struct
+
+
+def register_count():
+    """How many the map has, as the service is built with it"""
+    header = pathlib.Path(__file__).resolve().parents[2] / "proto" / "register_map.h"
+    return int(re.search(r"kRegisterCount = (\d+);", header.read_text(encoding="utf-8")).group(1))
 
 
 class Registers:

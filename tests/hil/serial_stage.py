@@ -10,7 +10,7 @@ import threading
 import time
 
 from cable import Cable
-from registers import DifferenceFromRow, Registers
+from registers import DifferenceFromRow, Registers, register_count
 from service import GuestService, nearest_row, replay
 from service_harness import Client
 
@@ -147,11 +147,12 @@ class SerialStage:
             f"function codes 06 and 16, read back {back}",
         )
         refused = client.client.write_register(16, 1, **keyword)
-        beyond = client.client.read_holding_registers(120, count=20, **keyword)
+        last = register_count() - 1
+        beyond = client.client.read_holding_registers(last, count=2, **keyword)
         self.stage.ok(
             "rtu-refusal",
-            refused.isError() and getattr(refused, "exception_code", 0) == 2 and getattr(beyond, "exception_code", 0) == 2,
-            "exception 02 for a register that can't be written, and for one beyond the map",
+            refused.isError() and getattr(refused, "exception_code", 0) == 2 and getattr(beyond, "exception_code", 0) == 2 and len(client.read(last, 1)) == 1,
+            f"exception 02 for a register that can't be written, and for the one after {last}, the map's last",
         )
 
     def other_units(self, client):
