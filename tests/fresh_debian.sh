@@ -63,6 +63,9 @@ if [[ -n $backports ]]; then
   chroot "$root" apt-get update -qq
   # Of them and what they ask for alone: all else stays that of the release.
   chroot "$root" /usr/bin/env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(printf "%s/$suite-backports " $backports) > /dev/null
+  # What else of the same sources is asked for later has to be of the same version: libelf-dev beside a libelf1 that came along.
+  chroot "$root" dpkg-query -W -f "\${Version} \${source:Package}\n" | sed -n "s/^[^ ]*~bpo[^ ]* //p" | sort -u |
+    while read -r source; do printf "Package: src:%s\nPin: release n=%s-backports\nPin-Priority: 990\n\n" "$source" "$suite"; done > "$root/etc/apt/preferences.d/backports"
 fi
 exec chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb CI=true \
   /bin/bash -c "cd /root/ninedot && \"\$@\"" ninedot "$@"
