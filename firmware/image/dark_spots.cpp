@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/contract.h"
+#include "base/vector_clones.h"
 
 // A maximum over n neighbours is a maximum over two or three overlapping maxima of four: two passes, whatever the
 // picture says. The loops are plain, without branches and on bytes, so that the compiler turns each into vector
@@ -79,6 +80,7 @@ SpotThreshold::SpotThreshold(int max_half_width_px, int max_half_height_px)
       fours_(max_half_width_px, max_half_height_px + kSquare_px),
       line_{ImageBuffer(max_half_width_px, 1), ImageBuffer(max_half_width_px, 1)} {}
 
+NINEDOT_VECTOR_CLONES
 const ImageBuffer& SpotThreshold::compute(const ImageView& half, int min_contrast_lsb) noexcept {
   const int width = half.width_px;
   const int height = half.height_px;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/vector_clones.h"
 #include "pose/normal_tail.h"
 
 namespace ninedot {
@@ -144,16 +145,19 @@ void BlurredDisc::sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes* share,
   if constexpr (kWithBlur) *by_blur = blur;
 }
 
+NINEDOT_VECTOR_CLONES
 void BlurredDisc::ink_share(const Lanes& ray_x, const Lanes& ray_y, Lanes& share) const noexcept {
   sum_up<true, false, false>(ray_x, ray_y, &share, nullptr, nullptr);
 }
 
+NINEDOT_VECTOR_CLONES
 void BlurredDisc::ink_share(const Lanes& ray_x, const Lanes& ray_y, Lanes& share,
                             std::array<Lanes, kMoveColumns>& by_moves,
                             std::array<Lanes, kBlurColumns>& by_blur) const noexcept {
   sum_up<true, true, true>(ray_x, ray_y, &share, &by_moves, &by_blur);
 }
 
+NINEDOT_VECTOR_CLONES
 void BlurredDisc::ink_by_blur(const Lanes& ray_x, const Lanes& ray_y,
                               std::array<Lanes, kBlurColumns>& by_blur) const noexcept {
   sum_up<false, false, true>(ray_x, ray_y, nullptr, nullptr, &by_blur);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/vector_clones.h"
 #include "pose/normal_tail.h"
 
 // For the pixel with ray m the sheet point under it is p = z m, z = 1 / (n.m / n.t); on the sheet it is
@@ -257,6 +258,7 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
   ink_share = pixels.ink_share;
 }
 
+NINEDOT_VECTOR_CLONES
 void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, const BlurredDisc& disc,
                   PixelRange range, Asked asked, ColumnBatches& batches) noexcept {
   switch (asked) {
@@ -271,6 +273,7 @@ void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const 
 
 // Half of the second derivatives of the grey level, all together and along x less along y, change sign from one column
 // or row of the picture to the next.
+NINEDOT_VECTOR_CLONES
 void fill_pattern_columns(const OutlinePixels& pixels, const DotView& dot_view, const BlurredDisc& disc,
                           PixelRange range, ColumnBatches& batches) noexcept {
   const DotView v = dot_view;  // NOLINT(performance-unnecessary-copy-initialization): as in fill()

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "base/contract.h"
+#include "base/vector_clones.h"
 
 namespace ninedot {
 namespace {
@@ -253,6 +254,7 @@ bool append_rows(const ImageView& luma, const RayTable& rays, const DotBand& dot
 }
 
 /// Appends a dot's pixels, sorted by sector, so that each group is one stretch. \return false when they do not fit
+NINEDOT_VECTOR_CLONES
 bool append_sorted(const ImageView& luma, const RayTable& rays, const DotBand& dot, OutlinePixels& out,
                    SectorRanges& ranges) noexcept {
   const DotEllipse& e = dot.e;

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/core/hal/intrin.hpp>
 #include <utility>
+
+#include "base/vector_clones.h"
 
 // Sums of products of all columns, pixels in the nearest cache; then Gaussian elimination of the group's own columns:
 // the light's from the end, then the pattern's at the beginning. Only lower triangles are kept.
@@ -22,6 +23,7 @@ constexpr double kRidge_px2 = 1e-3;
 /// [px^2]
 constexpr double kPatternSigma_px2 = 0.1;
 constexpr double kRounding_lsb2 = 1.0 / 12;  // of whole grey levels
+constexpr std::size_t kVectorAlignment = 16;
 
 double square(double x) noexcept { return x * x; }
 
@@ -33,32 +35,49 @@ struct ColumnRange {
   std::size_t first, end;
 };
 
+/// Eight lanes as one: of a sum over an array of lanes GCC makes no vector.
+using LaneVector [[gnu::vector_size(sizeof(Lanes)), gnu::aligned(kVectorAlignment), gnu::may_alias]] = float;
+const LaneVector& as_vector(const Lanes& lanes) noexcept { return *reinterpret_cast<const LaneVector*>(lanes.data()); }
+
+float total(const LaneVector& lanes) noexcept {
+  const auto four =
+      __builtin_shufflevector(lanes, lanes, 0, 1, 2, 3) + __builtin_shufflevector(lanes, lanes, 4, 5, 6, 7);
+  const auto two = four + __builtin_shufflevector(four, four, 2, 3, 0, 1);
+  return two[0] + two[1];
+}
+
 /// Adds the products of `rows` with `columns`, or with those of themselves that do not come after them, of so many
 /// batches: as a constant it leaves each product one run of instructions.
 template <std::size_t kBatches, bool kWithThemselves>
 void add_products(const ColumnBatches& batches, ColumnRange rows, ColumnRange columns, ProductSums& sums) noexcept {
   for (std::size_t i = rows.first; i < rows.end; ++i) {
-    const float* a = batches[0][i].data();
     const std::size_t end = kWithThemselves ? i + 1 : columns.end;
     for (std::size_t j = columns.first; j < end; ++j) {
-      const float* b = batches[0][j].data();
-      cv::v_float32x4 sum = cv::v_setzero_f32();
-      for (std::size_t half = 0; half < 2 * kBatches; ++half) {
-        const std::size_t at = half / 2 * (kColumns * kLanes) + half % 2 * (kLanes / 2);
-        sum = cv::v_muladd(cv::v_load_aligned(a + at), cv::v_load_aligned(b + at), sum);
-      }
-      sums[i][j] += static_cast<double>(cv::v_reduce_sum(sum));
+      LaneVector sum{};
+      for (std::size_t batch = 0; batch < kBatches; ++batch)
+        sum += as_vector(batches[batch][i]) * as_vector(batches[batch][j]);
+      sums[i][j] += static_cast<double>(total(sum));
     }
   }
 }
 
-using AddProducts = void (*)(const ColumnBatches&, ColumnRange, ColumnRange, ProductSums&) noexcept;
-template <bool kWithThemselves, std::size_t... kCounts>
-constexpr std::array<AddProducts, sizeof...(kCounts)> all_add_products(std::index_sequence<kCounts...>) noexcept {
-  return {&add_products<kCounts + 1, kWithThemselves>...};
+template <bool kWithThemselves, std::size_t... kBefore>
+void add_products(std::size_t count, const ColumnBatches& batches, ColumnRange rows, ColumnRange columns,
+                  ProductSums& sums, std::index_sequence<kBefore...> /*unused*/) noexcept {
+  ((count == kBefore + 1 ? add_products<kBefore + 1, kWithThemselves>(batches, rows, columns, sums) : void()), ...);
 }
-constexpr auto kAddSquares = all_add_products<true>(std::make_index_sequence<kMaxBatches>());
-constexpr auto kAddProducts = all_add_products<false>(std::make_index_sequence<kMaxBatches>());
+
+/// Of the first `count` batches, 1 to kMaxBatches: the products of `rows` among themselves.
+NINEDOT_VECTOR_CLONES
+void add_squares(std::size_t count, const ColumnBatches& batches, ColumnRange rows, ProductSums& sums) noexcept {
+  add_products<true>(count, batches, rows, rows, sums, std::make_index_sequence<kMaxBatches>());
+}
+/// Likewise of `rows` with `columns`.
+NINEDOT_VECTOR_CLONES
+void add_mixed(std::size_t count, const ColumnBatches& batches, ColumnRange rows, ColumnRange columns,
+               ProductSums& sums) noexcept {
+  add_products<false>(count, batches, rows, columns, sums, std::make_index_sequence<kMaxBatches>());
+}
 
 /// The grey levels that fit a group best, less its first pixel's.
 struct OwnLight {
@@ -204,18 +223,18 @@ void GroupFitter::fit(const OutlineGroup& group, GroupFit& fit, std::size_t ever
   for (std::size_t i = first; i < end; ++i) std::fill_n(&sums[i][kStateColumn], kColumns - kStateColumn, 0.0);
   if (with_pattern)
     for (std::array<double, kColumns>& row : sums) std::fill_n(row.begin(), kPatternColumns, 0.0);
-  alignas(16) ColumnBatches batches;
+  alignas(kVectorAlignment) ColumnBatches batches;
   for (std::size_t at = 0; at < count; at += kLanes * kMaxBatches) {
     const std::size_t used = std::min(kLanes * kMaxBatches, count - at);
     const PixelRange range{static_cast<std::size_t>(group.first) + at * every, used, every};
     fill_columns(pixels_, group, look_->view, look_->disc, range, asked_, batches);
     if (with_pattern)
       fill_pattern_columns(pixels_, before_interpolation_->view, before_interpolation_->disc, range, batches);
-    const std::size_t last_batch = (used - 1) / kLanes;
-    kAddSquares[last_batch](batches, asked, asked, sums);
+    const std::size_t filled = (used + kLanes - 1) / kLanes;
+    add_squares(filled, batches, asked, sums);
     if (!with_pattern) continue;
-    kAddSquares[last_batch](batches, kPattern, kPattern, sums);
-    kAddProducts[last_batch](batches, asked, kPattern, sums);
+    add_squares(filled, batches, kPattern, sums);
+    add_mixed(filled, batches, asked, kPattern, sums);
   }
   if (sums[kPaperColumn][kPaperColumn] < kLeastPaper_px2 || sums[kInkColumn][kInkColumn] < kLeastInk_px2) return;
 

@@ -5,12 +5,13 @@ import io
 import os
 import pathlib
 import shutil
+import subprocess
 import sys
 import tempfile
 import unittest
 
 sys.path.insert(0, os.path.dirname(__file__))
-from service_harness import APPROACH, run
+from service_harness import APPROACH, BIN, run
 
 
 def without_times(text):
@@ -86,6 +87,16 @@ class Replay(unittest.TestCase):
             self.assertAlmostEqual(apart_mm, 1000, places=2)
             self.assertGreater(float(camera["z_mm"]), float(body["z_mm"]) + 900, "the camera stands above it")
         self.assertGreater(len(tracked), 10)
+
+    def test_a_processor_without_avx2_gives_the_same_bytes(self):
+        emulator = shutil.which("qemu-x86_64-static") or shutil.which("qemu-x86_64")
+        if os.uname().machine != "x86_64" or os.environ.get("NINEDOT_SANITIZED"):
+            self.skipTest("there is one code for all processors")
+        self.assertIsNotNone(emulator, "qemu-user-static is missing: ./dev packages test")
+        emulated = subprocess.run([emulator, "-cpu", "Nehalem", BIN / "ninedot", "replay", APPROACH], capture_output=True, text=True, timeout=120, check=True)
+        rows = without_times(emulated.stdout)
+        self.assertGreater(len(rows), 10)
+        self.assertEqual(rows, without_times(run("ninedot", "replay", APPROACH).stdout))
 
     def test_in_real_time_no_row_differs_from_its_frame_s_own_time(self):
         times = {row["frame"]: row["timestamp_ns"] for row in without_times(run("ninedot", "replay", APPROACH).stdout)}

@@ -1,0 +1,55 @@
+#!/bin/bash
+# The instructions of a frame on arm64, counted one by one under QEMU's user-mode emulator: those of a replay with more frames less those
+# of one with fewer, so that what the program does at its start drops out. As root, after ./dev cross arm64; a quarter of an hour.
+#
+#   tests/bench/instructions_arm64.sh [--backports]
+set -euo pipefail
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
+source toolchains/roots.sh
+
+built=build/package-arm64${1:+-backports} recording=tests/recordings/positions
+[[ $# -eq 0 || $* == --backports ]] || roots_fail "usage: tests/bench/instructions_arm64.sh [--backports]"
+require_root
+root=$(readlink "$built/root") || roots_fail "no $built: ./dev cross arm64 $*"
+require_emulation arm64
+work=$(mktemp -d build/instructions-XXXXXX)
+trap 'rm -rf "$work" "$root/tmp/instructions"' EXIT
+
+# Each picture so many times after itself, as one file: no picture format is unpacked.
+video() {
+  PYTHONPATH=tests/soak python3 -c '
+import pathlib, sys
+from recording import grey_png
+pictures = [grey_png(path) for path in sorted(pathlib.Path(sys.argv[1]).iterdir())]
+with open(sys.argv[3], "wb") as file:
+    file.write(b"YUV4MPEG2 W%d H%d F35:1 Ip A1:1 Cmono\n" % pictures[0][:2])
+    for _, _, rows in pictures:
+        file.write((b"FRAME\n" + b"".join(rows)) * int(sys.argv[2]))
+print(len(pictures))' "$recording/frames" "$1" "$work/$1.y4m"
+}
+
+# replayed TIMES: the log has a line for each instruction.
+replayed() {
+  mkfifo "$root/tmp/instructions"
+  grep -c ^ "$root/tmp/instructions" > "$work/count" &
+  in_root "$root" "$PWD" env QEMU_LOG=exec,nochain QEMU_SINGLESTEP=1 QEMU_ONE_INSN_PER_TB=1 QEMU_LOG_FILENAME=/tmp/instructions \
+    "$built/bin/ninedot" replay "$work/$1.y4m" --camera "$recording/camera.yaml" --config "$work/config.toml" --out /dev/null 2> /dev/null
+  wait
+  rm "$root/tmp/instructions"
+  cat "$work/count"
+}
+
+# per_frame WHAT TRACKING
+per_frame() {
+  local few many
+  echo "[pose]
+tracking = $2" > "$work/config.toml"
+  few=$(replayed 1) many=$(replayed 2)
+  awk -v what="$1" -v few="$few" -v many="$many" -v pictures="$pictures" 'BEGIN { printf "%s: %.2f million instructions\n", what, (many - few) / pictures / 1e6 }'
+}
+
+pictures=$(video 1)
+video 2 > /dev/null
+per_frame "full search" false
+# The first of each picture is searched, the second one followed.
+per_frame "followed frame" true
