@@ -39,17 +39,16 @@ replayed() {
   cat "$work/count"
 }
 
-# per_frame WHAT TRACKING
+# per_frame WHAT TRACKING FEW: of FEW times each picture and twice as many
 per_frame() {
-  local few many
-  echo "[pose]
-tracking = $2" > "$work/config.toml"
-  few=$(replayed 1) many=$(replayed 2)
-  awk -v what="$1" -v few="$few" -v many="$many" -v pictures="$pictures" 'BEGIN { printf "%s: %.2f million instructions\n", what, (many - few) / pictures / 1e6 }'
+  local few many pictures
+  printf '[pose]\ntracking = %s\n' "$2" > "$work/config.toml"
+  pictures=$(video "$3")
+  video $((2 * $3)) > /dev/null
+  few=$(replayed "$3") many=$(replayed $((2 * $3)))
+  awk -v what="$1" -v more="$((many - few))" -v frames="$((pictures * $3))" 'BEGIN { printf "%s: %.2f million instructions\n", what, more / frames / 1e6 }'
 }
 
-pictures=$(video 1)
-video 2 > /dev/null
-per_frame "full search" false
-# The first of each picture is searched, the second one followed.
-per_frame "followed frame" true
+per_frame "full search" false 1
+# A picture is searched where it is new, and once more where the track has but one before it.
+per_frame "followed frame" true 2
