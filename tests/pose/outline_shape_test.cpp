@@ -151,8 +151,8 @@ TEST(OutlineShape, IsThatOfTheWholeDotsWhereThereAreEnough) {
   }
   const auto looked = look_at(cut, kUsual);
   ASSERT_TRUE(looked) << "or this picture tests nothing";
-  EXPECT_LT(looked->candidate.shape.size, 0.05) << "0.13 with the cut ones";
-  EXPECT_LT(looked->candidate.shape.second, 0.05) << "0.08 with the cut ones";
+  EXPECT_LT(looked->candidate.shape.size, 0.02) << "0.04 with the cut ones";
+  EXPECT_LT(looked->candidate.shape.second, 0.01) << "0.02 with the cut ones";
 }
 
 TEST(OutlineShape, TellsAMiddleThatIsAside) {
