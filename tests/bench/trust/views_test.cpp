@@ -89,6 +89,14 @@ TEST(Trust, ATrackOfHalfALandmarkHasNoWrongPose) {
   EXPECT_GE(std::ranges::count_if(verdicts, &Verdict::valid), 3);
 }
 
+/// With the mirror image of all nine dots none of its frames was valid.
+TEST(Trust, ATrackOfHalfALandmarkIsValid) {
+  constexpr std::uint64_t kSeed = 9225328471450969439U;
+  const std::vector<Verdict> verdicts = judge({"", "", shoot(view_of("50 % hidden", kSeed), kTrackFrames, kSeed)});
+  EXPECT_TRUE(std::ranges::none_of(verdicts, &Verdict::wrong));
+  EXPECT_GE(std::ranges::count_if(verdicts, &Verdict::valid), 8);
+}
+
 struct Effected {
   const char* test;
   const char* effect;  ///< Effect::name
