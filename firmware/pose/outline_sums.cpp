@@ -22,8 +22,8 @@ constexpr double kRidge_px2 = 1e-3;
 /// Prior of the pattern: 1-sigma of what an interpolation by neighbours leaves in luma, in any ink (0.05 to 0.1).
 /// [px^2]
 constexpr double kPatternSigma_px2 = 0.1;
-constexpr double kRounding_lsb2 = 1.0 / 12;  // of whole grey levels
-constexpr std::size_t kVectorAlignment = 16;
+constexpr double kRounding_lsb2 = 1.0 / 12;   // of whole grey levels
+constexpr std::size_t kVectorAlignment = 16;  // [B]
 
 double square(double x) noexcept { return x * x; }
 
@@ -39,6 +39,7 @@ struct ColumnRange {
 using LaneVector [[gnu::vector_size(sizeof(Lanes)), gnu::aligned(kVectorAlignment), gnu::may_alias]] = float;
 const LaneVector& as_vector(const Lanes& lanes) noexcept { return *reinterpret_cast<const LaneVector*>(lanes.data()); }
 
+/// Half on half, in an order that is the same whatever the vectors' width.
 float total(const LaneVector& lanes) noexcept {
   const auto four =
       __builtin_shufflevector(lanes, lanes, 0, 1, 2, 3) + __builtin_shufflevector(lanes, lanes, 4, 5, 6, 7);

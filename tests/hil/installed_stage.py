@@ -272,8 +272,7 @@ class Installed:
         self.guest.write("/tmp/probe.sh", f"echo probe begins\n{command}")
         self.guest.check(
             "mkdir -p /opt && cp /tmp/probe.sh /opt/probe.sh && chmod 755 /opt/probe.sh &&"
-            " sed -i 's|^\\[Service\\]|[Service]\\nExecStart=/bin/sh /opt/probe.sh|' /run/systemd/system/probe.service && systemctl daemon-reload",
-            120,
+            " sed -i 's|^\\[Service\\]|[Service]\\nExecStart=/bin/sh /opt/probe.sh|' /run/systemd/system/probe.service && systemctl daemon-reload"
         )
         self.guest.check("systemctl start probe", 60)
         lines = self.guest.check("journalctl --sync; journalctl -q -o cat -u probe --no-pager", 60)
