@@ -17,14 +17,14 @@ trap 'rm -rf "$work" "$root/tmp/instructions"' EXIT
 
 # Each picture so many times after itself, as one file: no picture format is unpacked.
 video() {
-  PYTHONPATH=tests/soak python3 -c '
+  PYTHONPATH=tests/hil python3 -c '
 import pathlib, sys
-from recording import grey_png
-pictures = [grey_png(path) for path in sorted(pathlib.Path(sys.argv[1]).iterdir())]
+from png_grey import read_png_grey
+pictures = [read_png_grey(path) for path in sorted(pathlib.Path(sys.argv[1]).iterdir())]
 with open(sys.argv[3], "wb") as file:
     file.write(b"YUV4MPEG2 W%d H%d F35:1 Ip A1:1 Cmono\n" % pictures[0][:2])
-    for _, _, rows in pictures:
-        file.write((b"FRAME\n" + b"".join(rows)) * int(sys.argv[2]))
+    for _, _, luma in pictures:
+        file.write((b"FRAME\n" + luma) * int(sys.argv[2]))
 print(len(pictures))' "$recording/frames" "$1" "$work/$1.y4m"
 }
 
