@@ -1,4 +1,4 @@
-# What is installed where, and the two Debian packages made of it. `./dev package` configures with the prefix /usr.
+# What is installed where, and the two Debian packages made of it. The presets have the prefix /usr.
 include(GNUInstallDirs)
 
 # The service, package ninedot.

@@ -321,7 +321,7 @@ def run(stage):
         stage.leave_out("needs root, to make a Debian with the packages: sudo ./dev hil installed")
         return
     image = stage.out / "installed"
-    made = subprocess.run([SOURCE / "tests" / "hil" / "installed_image.sh", SOURCE / "build/package/package", stage.out / "media", image])
+    made = subprocess.run([SOURCE / "tests" / "hil" / "installed_image.sh", SOURCE / "build/release/package", stage.out / "media", image])
     if made.returncode != 0:
         raise AssertionError("the image could not be made")
     extra = [

@@ -1,14 +1,18 @@
 """The parts that judge, without a guest: what is wrong must be called wrong."""
 
+import contextlib
+import io
 import math
 import pathlib
 import struct
 import sys
 import tempfile
+import types
 import unittest
 import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import run
 from png_grey import read_png_grey
 from registers import DifferenceFromRow, Registers, as_float32, rotation_vector_deg
 from vimc_facts import CONTROLS, LINE_US, furthest_from_middle, is_switched_on, sensors_listed
@@ -99,6 +103,28 @@ class Pictures(unittest.TestCase):
                 + chunk(b"IEND", b"")
             )
             self.assertEqual(read_png_grey(file), (width, len(rows), b"".join(rows)))
+
+
+class Stages(unittest.TestCase):
+    def test_each_has_some_of_its_checks_in_the_smoke_part(self):
+        for name, module in run.STAGES.items():
+            self.assertTrue(module.SMOKE_CHECKS, name)
+            self.assertLessEqual(set(module.SMOKE_CHECKS), set(module.CHECKS), name)
+
+    def failures_of(self, module, is_asked_for):
+        with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
+            stage = run.Stage("made-up", module, pathlib.Path(folder), smoke=True, is_asked_for=is_asked_for)
+            stage.run()
+            return [check for check, *_ in stage.failed]
+
+    def test_one_that_can_not_run_fails_where_it_was_asked_for(self):
+        module = types.SimpleNamespace(CHECKS=("a",), SMOKE_CHECKS=("a",), run=lambda stage: stage.leave_out("nothing to run it on"))
+        self.assertEqual(self.failures_of(module, is_asked_for=False), [])
+        self.assertEqual(self.failures_of(module, is_asked_for=True), ["runs"])
+
+    def test_a_check_that_was_not_made_fails(self):
+        module = types.SimpleNamespace(CHECKS=("a", "b", "c"), SMOKE_CHECKS=("a", "b"), run=lambda stage: stage.ok("a", True))
+        self.assertEqual(self.failures_of(module, is_asked_for=True), ["b"])
 
 
 class Sensors(unittest.TestCase):

@@ -20,7 +20,7 @@ expect() {  # WHAT COMMAND...
 }
 not() { ! "$@"; }
 install_package() { DEBIAN_FRONTEND=noninteractive apt-get -q -y -o Dpkg::Use-Pty=0 install --no-install-recommends "$@" < /dev/null; }
-newest() { ls -t build/package/package/ninedot_*.deb | head -n 1; }
+newest() { ls -t build/release/package/ninedot_*.deb | head -n 1; }
 
 ./dev packages package test
 ./dev package
@@ -41,7 +41,7 @@ expect "serves poses as its own user, out of the box" bash -c 'for _ in $(seq 50
   mbpoll -m tcp -p 1502 -a 1 -0 -r 0 -c 6 -1 127.0.0.1 | grep -q "^\[0\]:.*40201" && exit 0; sleep 0.1; done; cat /tmp/ninedotd.log; exit 1'
 kill "$service"; wait "$service" || true
 
-expect "the page is another package" install_package "./$(ls -t build/package/package/ninedot-web_*.deb | head -n 1)"
+expect "the page is another package" install_package "./$(ls -t build/release/package/ninedot-web_*.deb | head -n 1)"
 expect "made the page's user, who may read the tap" bash -c "id -nG ninedot-web | grep -qw ninedot-tap"
 expect "who is in no group of the service's" bash -c "! id -nG ninedot-web | grep -qwE 'ninedot|video|dialout|gpio|i2c'"
 expect "systemd accepts its unit" systemd-analyze verify /lib/systemd/system/ninedot-web.service

@@ -10,7 +10,7 @@ source toolchains/roots.sh
 command -v lintian > /dev/null || roots_fail "needs lintian: ./dev packages package-test"
 packages=("$@")
 if [[ $# -eq 0 ]]; then
-  for pattern in build/package{,-arm64,-armhf}/package/ninedot{,-web}_*.deb "$ninedot_cache/modules-*/*.deb"; do
+  for pattern in build/{release,package-arm64,package-armhf}/package/ninedot{,-web}_*.deb "$ninedot_cache/modules-*/*.deb"; do
     # shellcheck disable=SC2086
     if compgen -G "$pattern" > /dev/null; then packages+=("$(ls -t $pattern | head -n 1)"); fi
   done
