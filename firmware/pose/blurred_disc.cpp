@@ -38,7 +38,8 @@ BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& la
   const Eigen::Vector2d C = landmark.centre_m(dot);
   const double r_m = landmark.radius_m(dot);
   const Eigen::Vector3d middle_m = T.translation_m + C.x() * X + C.y() * Z;
-  const Eigen::Vector2d middle = middle_m.hnormalized();
+  middle_ray_ = middle_m.hnormalized().cast<float>();
+  const Eigen::Vector2d middle = middle_ray_.cast<double>();  // the nodes are beside it as it is rounded
   const Eigen::Matrix2d px_per_ray = pixels.normalised_per_px[dot].inverse();
   const Eigen::Matrix2d W = sigma_per_px(state);
   // How a ray moves when the sheet's point does.
@@ -53,7 +54,6 @@ BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& la
   const double wanted = 2 * std::numbers::pi * semi_major / kSpacing;
   if (!(wanted <= static_cast<double>(kMaxNodes))) return;
   count_ = std::max(kLeastNodes, static_cast<std::size_t>(std::ceil(wanted)));
-  middle_ray_ = middle.cast<float>();
   sigma_per_ray_ = (W * px_per_ray).cast<float>();
 
   const double step = 2 * std::numbers::pi / static_cast<double>(count_);

@@ -10,7 +10,8 @@
 // For the pixel with ray m the sheet point under it is p = z m, z = 1 / (n.m / n.t); on the sheet it is
 // (rX.(p - t), rZ.(p - t)). rho is its distance from the dot's middle C, (eX, eZ) the direction from there. Moving the
 // sheet by dp changes rho by -h . dp, where h = g - n k, g = eX rX + eZ rZ, k = (g.m)/(n.m), discards the part along
-// the ray; moving the pixel changes rho by z h . dm. So
+// the ray; moving the pixel changes rho by z h . dm. With C at (A, B), p - C is z ((rX - A n / n.t).m,
+// (rZ - B n / n.t).m), and these brackets are nothing at C's own ray: what is small is computed from what is small. So
 //   d = (rho - r) / |grad|,  grad = z N^T h_xy (N: ray per pixel),  dd/d(rotation, translation) = -[(p - t) x h, h] /
 //   |grad|.
 // Along the sheet's axes (X, n, Z) p - t is (X, 0, Z) and h is (eX, -k, eZ): their product is (k Z, Z eX - X eZ, -k X).
@@ -144,9 +145,10 @@ struct Profile {
 // look like a tilt (recordings of a moving camera).
 inline Profile profile_at(const DotView& v, float mx, float my) noexcept {
   const float depth = 1 / (v.inverse_depth.x() * mx + v.inverse_depth.y() * my + v.inverse_depth.z());
-  const float A = (v.rX.x() * mx + v.rX.y() * my + v.rX.z()) * depth;
-  const float B = (v.rZ.x() * mx + v.rZ.y() * my + v.rZ.z()) * depth;
-  const float x = A - v.middle.x(), z = B - v.middle.y();
+  const float dx = mx - v.near_ray.x(), dy = my - v.near_ray.y();
+  const float x = (v.by_ray_X.x() * dx + v.by_ray_X.y() * dy + v.left_X) * depth;
+  const float z = (v.by_ray_Z.x() * dx + v.by_ray_Z.y() * dy + v.left_Z) * depth;
+  const float A = v.middle.x() + x, B = v.middle.y() + z;
   const float rho = std::sqrt(x * x + z * z + kNotAtCentre_m2), per_rho = 1 / rho;
   const float eX = x * per_rho, eZ = z * per_rho;
   const float along = (eX * A + eZ * B) * v.per_height;
@@ -233,7 +235,13 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
   per_height = static_cast<float>(1 / height_m);
   const Eigen::Vector2d at{X.dot(t), Z.dot(t)};
   origin = at.cast<float>();
-  middle = (at + landmark.centre_m(dot)).cast<float>();
+  const Eigen::Vector2d C = landmark.centre_m(dot), from_foot = at + C;
+  middle = from_foot.cast<float>();
+  near_ray = (t + C.x() * X + C.y() * Z).hnormalized().cast<float>();
+  const Eigen::Vector3d a_X = X - from_foot.x() / height_m * n, a_Z = Z - from_foot.y() / height_m * n;
+  const Eigen::Vector3d near_m = near_ray.cast<double>().homogeneous();
+  by_ray_X = a_X.head<2>().cast<float>(), by_ray_Z = a_Z.head<2>().cast<float>();
+  left_X = static_cast<float>(a_X.dot(near_m)), left_Z = static_cast<float>(a_Z.dot(near_m));
   const Eigen::Matrix2d& N = pixels.normalised_per_px[dot];
   px_X = (N.transpose() * X.head<2>()).cast<float>();
   px_Z = (N.transpose() * Z.head<2>()).cast<float>();

@@ -36,11 +36,16 @@ using ColumnBatches = std::array<OutlineColumns, kMaxBatches>;
 struct DotView {
   DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const OutlineState& state, std::size_t dot);
 
-  Eigen::Vector3f rX, rZ;            ///< the sheet's axes [1], frame camera
-  Eigen::Vector3f inverse_depth;     ///< its product with a ray (z = 1) is 1 / depth of the sheet there [1/m]
-  float per_height;                  ///< 1 / distance of the sheet's plane, signed [1/m]
-  Eigen::Vector2f origin;            ///< the sheet's origin along its axes [m], seen from the camera
-  Eigen::Vector2f middle;            ///< the dot's middle, likewise [m]
+  Eigen::Vector3f rX, rZ;         ///< the sheet's axes [1], frame camera
+  Eigen::Vector3f inverse_depth;  ///< its product with a ray (z = 1) is 1 / depth of the sheet there [1/m]
+  float per_height;               ///< 1 / distance of the sheet's plane, signed [1/m]
+  Eigen::Vector2f origin;         ///< the sheet's origin along its axes [m], seen from the camera
+  Eigen::Vector2f middle;         ///< the dot's middle, likewise [m]
+  /// Where a ray m meets the sheet is depth (by_ray_X . (m - near_ray) + left_X) along X from that middle, and likewise
+  /// along Z. Places from the sheet's origin would be rounded by 1e-5 px, all pixels of a dot alike.
+  Eigen::Vector2f near_ray;            ///< of the middle, rounded [1]
+  Eigen::Vector2f by_ray_X, by_ray_Z;  ///< [1]
+  float left_X, left_Z;                ///< of near_ray, as it is rounded [1]
   Eigen::Vector2f px_X, px_Z, px_n;  ///< change of a ray per pixel along the sheet's axes, and along its normal [1/px]
   /// Where what lies beyond the white begins, along the sheet's axes: unit vectors, square to them at the paper's
   /// radius [1]. P9 has none, most dots one; a dot on a diagonal that sees two of the square's sides has both.

@@ -1,6 +1,6 @@
 #!/bin/bash
-# The cross-built programs compute what the native ones do: a recording replayed under QEMU's user-mode emulator in the
-# root that they were built in, and by this machine's own build, gives the same poses. And the package asks for the libcamera
+# The cross-built programs compute what the native ones do: the bundled recordings, replayed under QEMU's user-mode emulator in the
+# root that they were built in, and by this machine's own build, give the same poses. And the package asks for the libcamera
 # that it was built with, and for no other.
 #
 #   tests/board/cross_test.sh arm64|armhf [--backports] [NATIVE]    as root, after ./dev cross; NATIVE: default build/release/bin/ninedot
@@ -12,7 +12,7 @@ arch=${1:-arm64} backports=''
 [[ $# -eq 0 ]] || shift
 if [[ ${1:-} == --backports ]]; then backports=-backports; shift; fi
 native=${1:-build/release/bin/ninedot} built=build/package-$arch$backports
-recording=tests/recordings/approach
+recordings=(approach positions tilt occlusion lowlight distorted)
 require_root
 [[ -x $native ]] || roots_fail "no program $native: ./dev build"
 [[ -x $built/bin/ninedot ]] || roots_fail "no program $built/bin/ninedot: ./dev cross $arch${backports:+ --backports}"
@@ -34,7 +34,10 @@ echo "ok: version $version, for $libcamera"
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-"$native" replay "$recording" --out "$work/native.csv" > /dev/null
-in_root "$root" "$PWD" "$built/bin/ninedot" replay "$recording" --out /tmp/cross.csv > /dev/null
-mv "$root/tmp/cross.csv" "$work/$arch.csv"
-python3 tests/board/compare_poses.py "$work/native.csv" "$work/$arch.csv"
+for recording in "${recordings[@]}"; do
+  "$native" replay "tests/recordings/$recording" --out "$work/native.csv" > /dev/null 2>&1
+  in_root "$root" "$PWD" "$built/bin/ninedot" replay "tests/recordings/$recording" --out /tmp/cross.csv > /dev/null 2>&1
+  mv "$root/tmp/cross.csv" "$work/$arch.csv"
+  echo "$recording: $(python3 tests/board/compare_poses.py "$work/native.csv" "$work/$arch.csv" 2>&1)" | tee -a "$work/said"
+done
+! grep -q FAILED "$work/said"
