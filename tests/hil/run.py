@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """Tests against kernel drivers, in a guest under QEMU: `./dev hil [--smoke] [STAGE...]`.
 
-    run.py BIN_FOLDER OUT_FOLDER [--smoke] [STAGE...]
+    run.py BIN_FOLDER OUT_FOLDER [--smoke] [STAGE|STAGE.CHECK...]
+
+STAGE.CHECK runs as much of the stage as it needs: the smoke part, if the check is in it.
 
 Prints one line for each check, `ok STAGE.CHECK detail` or `not ok ...`, writes OUT_FOLDER/report.md, and exits with 1 if a check failed
 or never came to be made.
@@ -116,11 +118,15 @@ def main(arguments):
         sys.exit(__doc__)
     bin_folder, out = (pathlib.Path(argument).resolve() for argument in arguments[:2])
     smoke = "--smoke" in arguments
-    asked_for = [name for name in arguments[2:] if name != "--smoke"]
-    unknown = [name for name in asked_for if name not in STAGES]
-    if unknown:
-        sys.exit(f"hil: there is no stage {' '.join(unknown)}; there are {' '.join(STAGES)}")
-    names = asked_for or list(STAGES)
+    asked_for = {}  # stage: whether its smoke part is enough
+    for argument in (argument for argument in arguments[2:] if argument != "--smoke"):
+        name, _, check = argument.partition(".")
+        if name not in STAGES:
+            sys.exit(f"hil: there is no stage {name}; there are {' '.join(STAGES)}")
+        if check and check not in STAGES[name].CHECKS:
+            sys.exit(f"hil: {name} has no check {check}; it has {' '.join(STAGES[name].CHECKS)}")
+        asked_for[name] = asked_for.get(name, True) and (smoke or check in STAGES[name].SMOKE_CHECKS)
+    names = list(asked_for) or list(STAGES)
     out.mkdir(parents=True, exist_ok=True)
     make_media(SOURCE / "tests" / "recordings", out / "media")
     simulated = ["--simulated-hardware"] if "servo" in names or "sensors" in names else []
@@ -128,7 +134,7 @@ def main(arguments):
     # That stage has an image of its own.
     if names != ["installed"] and subprocess.run(image).returncode != 0:
         return 2
-    stages = [Stage(name, STAGES[name], out, smoke, name in asked_for) for name in names]
+    stages = [Stage(name, STAGES[name], out, asked_for.get(name, smoke), name in asked_for) for name in names]
     for stage in stages:
         stage.run()
     (out / "report.md").write_text(report(stages))
