@@ -35,8 +35,8 @@ echo "ok: version $version, for $libcamera"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for recording in "${recordings[@]}"; do
-  "$native" replay "tests/recordings/$recording" --out "$work/native.csv" > /dev/null 2>&1
-  in_root "$root" "$PWD" "$built/bin/ninedot" replay "tests/recordings/$recording" --out /tmp/cross.csv > /dev/null 2>&1
+  "$native" replay "tests/recordings/$recording" --out "$work/native.csv" > /dev/null
+  in_root "$root" "$PWD" "$built/bin/ninedot" replay "tests/recordings/$recording" --out /tmp/cross.csv > /dev/null
   mv "$root/tmp/cross.csv" "$work/$arch.csv"
   echo "$recording: $(python3 tests/board/compare_poses.py "$work/native.csv" "$work/$arch.csv" 2>&1)" | tee -a "$work/said"
 done

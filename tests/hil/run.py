@@ -113,19 +113,25 @@ def report(stages):
     return text
 
 
-def main(arguments):
-    if len(arguments) < 2:
-        sys.exit(__doc__)
-    bin_folder, out = (pathlib.Path(argument).resolve() for argument in arguments[:2])
-    smoke = "--smoke" in arguments
-    asked_for = {}  # stage: whether its smoke part is enough
-    for argument in (argument for argument in arguments[2:] if argument != "--smoke"):
+def stages_for(asked, smoke):
+    """\return  of each stage that is asked for, as STAGE or STAGE.CHECK, whether its smoke part is enough"""
+    enough = {}
+    for argument in asked:
         name, _, check = argument.partition(".")
         if name not in STAGES:
             sys.exit(f"hil: there is no stage {name}; there are {' '.join(STAGES)}")
         if check and check not in STAGES[name].CHECKS:
             sys.exit(f"hil: {name} has no check {check}; it has {' '.join(STAGES[name].CHECKS)}")
-        asked_for[name] = asked_for.get(name, True) and (smoke or check in STAGES[name].SMOKE_CHECKS)
+        enough[name] = enough.get(name, True) and (smoke or check in STAGES[name].SMOKE_CHECKS)
+    return enough
+
+
+def main(arguments):
+    if len(arguments) < 2:
+        sys.exit(__doc__)
+    bin_folder, out = (pathlib.Path(argument).resolve() for argument in arguments[:2])
+    smoke = "--smoke" in arguments
+    asked_for = stages_for((argument for argument in arguments[2:] if argument != "--smoke"), smoke)
     names = list(asked_for) or list(STAGES)
     out.mkdir(parents=True, exist_ok=True)
     make_media(SOURCE / "tests" / "recordings", out / "media")

@@ -111,6 +111,19 @@ class Stages(unittest.TestCase):
             self.assertTrue(module.SMOKE_CHECKS, name)
             self.assertLessEqual(set(module.SMOKE_CHECKS), set(module.CHECKS), name)
 
+    def test_a_check_asks_for_as_much_of_its_stage_as_it_needs(self):
+        self.assertEqual(run.stages_for(["visca.zoom"], smoke=False), {"visca": True})
+        self.assertEqual(run.stages_for(["visca.silent"], smoke=False), {"visca": False})
+        self.assertEqual(run.stages_for(["visca.zoom", "visca.silent"], smoke=False), {"visca": False})
+        self.assertEqual(run.stages_for(["visca", "servo"], smoke=False), {"visca": False, "servo": False})
+        self.assertEqual(run.stages_for(["visca"], smoke=True), {"visca": True})
+
+    def test_stages_and_checks_that_are_not_there_are_refused(self):
+        for asked in ("vista", "visca.zoon", "vista.zoom"):
+            with self.assertRaises(SystemExit) as refused:
+                run.stages_for([asked], smoke=False)
+            self.assertIn("zoon" if "zoon" in asked else "vista", str(refused.exception.code))
+
     def failures_of(self, module, is_asked_for):
         with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
             stage = run.Stage("made-up", module, pathlib.Path(folder), smoke=True, is_asked_for=is_asked_for)
