@@ -1,6 +1,6 @@
 #!/bin/bash
 # The service over simulated hours, each with its faults: clients that hang, send rubbish or are too many, maps, a serial line that is cut. 720 are thirty
-# days. One takes twenty seconds and more.
+# days. One takes ten seconds and more.
 #
 #   tests/soak.sh [HOURS]      after ./dev build; default 1; what was seen: build/soak.jsonl, a line for each hour
 set -euo pipefail

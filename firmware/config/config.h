@@ -17,7 +17,7 @@ struct CameraConfig {
   std::string device;                ///< `device`: v4l2 path, libcamera id, or the recording's folder or .y4m file
   int width_px = 640;                ///< `width_px`: 16..8192
   int height_px = 480;               ///< `height_px`: 16..8192
-  double rate_hz = 35.0;  ///< `rate_hz`: 0.1..10000; frames per second asked of the camera, or of the recording
+  double rate_hz = 35.0;  ///< `rate_hz`: 0.1..100000; frames per second asked of the camera, or of the recording
   std::string pixel_format = "auto";     ///< `pixel_format`: auto, GREY, Y10, YUYV, NV12, ...
   double exposure_us = 0;                ///< `exposure_us`: 0 = automatic .. 1e6
   double gain = 0.0;                     ///< `gain`: 0 = automatic .. 1000

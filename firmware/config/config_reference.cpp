@@ -42,7 +42,7 @@ const std::array kKeysUpToTheHead{
         SLOT(camera.device)},
     ConfigKey{"camera", "width_px", "px", 16, 8192, "", "width of the pictures", SLOT(camera.width_px)},
     ConfigKey{"camera", "height_px", "px", 16, 8192, "", "height of the pictures", SLOT(camera.height_px)},
-    ConfigKey{"camera", "rate_hz", "Hz", 0.1, 10000, "", "frames per second asked of the camera, or of the recording",
+    ConfigKey{"camera", "rate_hz", "Hz", 0.1, 100000, "", "frames per second asked of the camera, or of the recording",
               SLOT(camera.rate_hz)},
     ConfigKey{"camera", "pixel_format", "", 0, 0, kPixelFormats, "format asked of the camera",
               SLOT(camera.pixel_format)},

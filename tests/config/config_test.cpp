@@ -272,7 +272,7 @@ TEST(Config, NamesTheLineAndWhatToWriteInstead) {
   EXPECT_EQ(error_of("[camera]\nxyzzy = 9600"), "t.toml:2: unknown key 'xyzzy' in [camera]");
   EXPECT_EQ(error_of("[camrea]\nrate_hz = 30"), "t.toml:1: unknown table 'camrea'; did you mean 'camera'?");
   EXPECT_EQ(error_of("rate_hz = 30"), "t.toml:1: unknown key 'rate_hz'; it belongs to [camera]");
-  EXPECT_EQ(error_of("[camera]\nrate_hz = 30000"), "t.toml:2: 'rate_hz' is 30000; write 0.1 to 10000 Hz");
+  EXPECT_EQ(error_of("[camera]\nrate_hz = 300000"), "t.toml:2: 'rate_hz' is 300000; write 0.1 to 100000 Hz");
   EXPECT_EQ(error_of("[camera]\nrate_hz = nan"), "t.toml:2: 'rate_hz' must be a finite number");
   EXPECT_EQ(error_of("[camera]\nwidth_px = 640.0"), "t.toml:2: 'width_px' must be a whole number");
   EXPECT_EQ(error_of("[camera]\nloop = 1"), "t.toml:2: 'loop' must be true or false");

@@ -213,7 +213,7 @@ TEST(ConfigLandmarks, OfAMapAreRefusedWithItsFileAndLine) {
             (Lines{"hall.toml:3: 'code' is 'KRGBKKRY'; write eight of K R G B for P1..P8",
                    "hall.toml:5: two landmarks have the id 7"}));
   EXPECT_EQ(errors_with_map(map + "[camera]\nrate_hz = 0", "map = \"other.toml\"\n[[landmarks]]\nid = 1\ncod = \"\"\n"),
-            (Lines{"ninedot_with_map.toml:3: 'rate_hz' is 0; write 0.1 to 10000 Hz",
+            (Lines{"ninedot_with_map.toml:3: 'rate_hz' is 0; write 0.1 to 100000 Hz",
                    "hall.toml:1: 'map' does not belong here: a map holds [[landmarks]] only",
                    "hall.toml:4: unknown key 'cod' in [landmarks]; did you mean 'code'?"}));
   EXPECT_EQ(errors_with_map(map, "# nothing\n"), (Lines{"hall.toml:1: a map needs [[landmarks]]"}));

@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t cou
   for (const ConfigProblem& problem : of_map.list) EXPECTS(problem_text("c.toml", problem).starts_with("m.toml:"));
   try {
     const Config config = parse_config({reinterpret_cast<const char*>(bytes), count}, "c.toml", problems);
-    EXPECTS(config.camera.rate_hz >= 0.1 && config.camera.rate_hz <= 10000 && config.modbus_tcp.port > 0);
+    EXPECTS(config.camera.rate_hz >= 0.1 && config.camera.rate_hz <= 100000 && config.modbus_tcp.port > 0);
     EXPECTS(config.landmark.centre_diameter_mm > config.landmark.dot_diameter_mm);
   } catch (const StartupError& error) {
     const std::string line = error.what();

@@ -1,5 +1,5 @@
-"""What the soak plays: two landmarks, each cut out of a picture of the bundled recordings and looked at for a second, and between them a wall without one.
-Followed nearly always, lost and found twice a turn; and so small that this machine takes thousands of them a second."""
+"""What the soak plays: a small landmark, looked at from two places, and between them a longer look at a wall without one, as a vehicle drives from one
+to the next. Lost and found twice a turn; and the pictures are so small that this machine takes thousands of them a second."""
 
 import pathlib
 import sys
@@ -7,13 +7,13 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "hil"))
 from png_grey import read_png_grey
 
-SIZE_PX = 80
-STAYS, EMPTY = 40, 2  # frames
+SIZE_PX = 48
+STAYS, EMPTY = 80, 120  # frames
 # Picture and the middle of what is cut out of it.
 PARTS = (
-    ("000000.png", (308, 238), STAYS),
+    ("000000.png", (309, 238), STAYS),
     ("000000.png", (560, 60), EMPTY),
-    ("000004.png", (334, 242), STAYS),
+    ("000000.png", (305, 235), STAYS),
     ("000000.png", (560, 60), EMPTY),
 )
 
