@@ -107,6 +107,17 @@ def stamps_cross(boundary_ns):
     return witness
 
 
+def gives_less_than(quiet):
+    """
+    :param quiet: the share that the driver gave away before. Far more has to be missing than what a busy host makes the guest miss."""
+
+    def witness(frames):
+        given = share_given(frames)
+        return given < 0.7 * quiet, f"the driver gives {100 * given:.0f} % of its frames away, {100 * quiet:.0f} % before"
+
+    return witness
+
+
 class FaultsStage:
     def __init__(self, stage, guest):
         self.stage, self.guest = stage, guest
@@ -152,6 +163,7 @@ class FaultsStage:
         """A fault that takes the camera away: until `end`, or only until it is opened again. vivid hands an injected error to
         whichever of its two nodes comes first: without a player that is the camera."""
         self.settle(service)
+        self.stage.begin(check)
         if not player:
             self.vivid.stop()
         watch = Watch(service)
@@ -187,6 +199,7 @@ class FaultsStage:
         """A disturbance that must cost nothing but frames.
         :param witness: whether the frames that the driver gave away show that it was there, and what they show"""
         self.settle(service)
+        self.stage.begin(check)
         self.trace.start("v4l2/v4l2_dqbuf")
         if restart:  # it takes effect when a stream starts
             watch = Watch(service)
@@ -224,6 +237,7 @@ class FaultsStage:
 
     def flagged(self, service):
         self.settle(service)
+        self.stage.begin("flagged")
         self.vivid.stop()
         watch = Watch(service)
         count = 5
@@ -275,6 +289,7 @@ class FaultsStage:
 
     def unplugged(self, service):
         self.settle(service)
+        self.stage.begin("unplugged")
         plug_in = f"echo vivid.0 > {BIND}; sleep 0.5"
         watch = Watch(service)
         watch.during(f"rm {CAMERA}; echo vivid.0 > {UNBIND}", self.guest)
@@ -302,6 +317,7 @@ class FaultsStage:
 
     def late(self, service):
         """The service was started without its camera: it is up, says so, and uses the camera when it comes."""
+        self.stage.begin("late")
         watch = Watch(service)
         until = time.monotonic() + 5
         watch.until(lambda registers: registers.reason == REASON_CAMERA_LOST, "started without a camera: camera lost")
@@ -337,18 +353,12 @@ class FaultsStage:
         )
 
     def dropped(self, service):
-        """Far more than a busy host makes the guest miss: what the driver still gives away has to be less than it was before."""
         dropped = "percentage_of_dropped_buffers"
         self.settle(service)
         self.trace.start("v4l2/v4l2_dqbuf")
         time.sleep(3)
         quiet = share_given(frames_of(self.trace.stop()))
-
-        def witness(frames):
-            given = share_given(frames)
-            return given < 0.7 * quiet, f"the driver gives {100 * given:.0f} % of its frames away, {100 * quiet:.0f} % before"
-
-        self.stays_valid(service, "dropped", f"`{dropped}=92`", self.set(dropped, 92), self.set(dropped, 0), witness)
+        self.stays_valid(service, "dropped", f"`{dropped}=92`", self.set(dropped, 92), self.set(dropped, 0), gives_less_than(quiet))
 
     def wraps(self, service):
         self.stays_valid(

@@ -44,6 +44,8 @@ STAGES = {
     "installed": installed_stage,
 }
 
+NOT_REACHED = "was not reached"
+
 
 class Stage:
     """One stage's lines and tables."""
@@ -53,11 +55,17 @@ class Stage:
         self.lines, self.tables = [], []
         self.seconds = 0.0
         self.left_out = None
+        self.under_way = None
 
     def guest(self, *extra):
         return Guest(self.out, self.out / f"console-{self.name}.log", extra)
 
+    def begin(self, check):
+        """What does not come in time from here on is this check's own failure: without it the check was only not reached."""
+        self.under_way = check
+
     def ok(self, check, good, detail=""):
+        self.under_way = None
         self.lines.append((check, bool(good), detail))
         print(f"{'ok' if good else 'not ok'} {self.name}.{check}  {detail}", flush=True)
 
@@ -78,11 +86,15 @@ class Stage:
         except Exception as failure:
             # One stage's end must not hide what the others have to say.
             traceback.print_exc()
-            self.ok("runs", False, str(failure).splitlines()[0] if str(failure) else type(failure).__name__)
+            what = str(failure).splitlines()[0] if str(failure) else type(failure).__name__
+            # Anything else, a guest that is gone, says nothing about what is tested.
+            if self.under_way and isinstance(failure, AssertionError):
+                self.ok(self.under_way, False, what)
+            self.ok("runs", False, what)
         expected = self.module.SMOKE_CHECKS if self.smoke else self.module.CHECKS
         for check in () if self.left_out else expected:
             if check not in (line[0] for line in self.lines):
-                self.ok(check, False, "was not reached")
+                self.ok(check, False, NOT_REACHED)
         self.seconds = time.monotonic() - started
         print(f"   {self.name}: {self.seconds:.0f} s", flush=True)
 

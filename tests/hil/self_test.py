@@ -13,8 +13,11 @@ import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import run
+from faults_stage import gives_less_than, sequence_wraps, share_given, stamps_cross
+from guest import GuestFailed
 from png_grey import read_png_grey
 from registers import DifferenceFromRow, Registers, as_float32, rotation_vector_deg
+from tracing import Frame
 from vimc_facts import CONTROLS, LINE_US, furthest_from_middle, is_switched_on, sensors_listed
 
 ROW = dict(
@@ -128,16 +131,98 @@ class Stages(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
             stage = run.Stage("made-up", module, pathlib.Path(folder), smoke=True, is_asked_for=is_asked_for)
             stage.run()
-            return [check for check, *_ in stage.failed]
+            return [(check, detail) for check, _, detail in stage.failed]
 
     def test_one_that_can_not_run_fails_where_it_was_asked_for(self):
         module = types.SimpleNamespace(CHECKS=("a",), SMOKE_CHECKS=("a",), run=lambda stage: stage.leave_out("nothing to run it on"))
         self.assertEqual(self.failures_of(module, is_asked_for=False), [])
-        self.assertEqual(self.failures_of(module, is_asked_for=True), ["runs"])
+        self.assertEqual(self.failures_of(module, is_asked_for=True), [("runs", "nothing to run it on")])
 
     def test_a_check_that_was_not_made_fails(self):
         module = types.SimpleNamespace(CHECKS=("a", "b", "c"), SMOKE_CHECKS=("a", "b"), run=lambda stage: stage.ok("a", True))
-        self.assertEqual(self.failures_of(module, is_asked_for=True), ["b"])
+        self.assertEqual(self.failures_of(module, is_asked_for=True), [("b", run.NOT_REACHED)])
+
+    def test_what_does_not_come_in_time_is_the_failure_of_the_check_that_waits(self):
+        def waits_in_vain(stage, failure):
+            stage.ok("a", True)
+            stage.begin("b")
+            raise failure
+
+        def with_failure(failure):
+            return types.SimpleNamespace(
+                CHECKS=("a", "b", "c"), SMOKE_CHECKS=("a", "b", "c"), run=lambda stage: waits_in_vain(stage, failure)
+            )
+
+        with contextlib.redirect_stderr(io.StringIO()):
+            in_vain = self.failures_of(with_failure(AssertionError("not within 30 s")), is_asked_for=True)
+            gone = self.failures_of(with_failure(GuestFailed("the guest is gone")), is_asked_for=True)
+        self.assertEqual(in_vain, [("b", "not within 30 s"), ("runs", "not within 30 s"), ("c", run.NOT_REACHED)])
+        self.assertEqual(gone, [("runs", "the guest is gone"), ("b", run.NOT_REACHED), ("c", run.NOT_REACHED)])
+
+
+class Witnesses(unittest.TestCase):
+    """A fault that was not there must not pass for one that the service lived through."""
+
+    @staticmethod
+    def numbered(*sequences):
+        return [Frame(stamp_ns=10**9 * i, sequence=sequence, at_ns=10**9 * i) for i, sequence in enumerate(sequences)]
+
+    @staticmethod
+    def stamped(*stamps_ns):
+        return [Frame(stamp_ns=int(stamp), sequence=i, at_ns=10**9 * i) for i, stamp in enumerate(stamps_ns)]
+
+    def test_the_share_is_of_what_the_driver_counted(self):
+        self.assertEqual(share_given(self.numbered(*range(1000, 1100))), 1)
+        self.assertEqual(share_given(self.numbered(5, 8, 11, 14)), 0.4)
+        self.assertEqual(share_given(self.numbered(7)), 1)
+
+    def test_as_many_frames_as_before_are_none_dropped(self):
+        every_third = self.numbered(*range(0, 100, 3))
+        quiet = share_given(every_third)
+        self.assertFalse(gives_less_than(quiet)(every_third)[0])
+        self.assertFalse(gives_less_than(quiet)(self.numbered(*range(0, 100, 4)))[0])
+        self.assertEqual(
+            gives_less_than(quiet)(self.numbered(*range(0, 100, 9))), (True, "the driver gives 12 % of its frames away, 34 % before")
+        )
+
+    def test_a_count_wraps_from_its_end_to_its_start(self):
+        last = (1 << 32) - 1
+        self.assertEqual(sequence_wraps(self.numbered(last - 1, last, 0, 1)), (True, f"sequence {last} then 0"))
+        self.assertTrue(sequence_wraps(self.numbered(last - 4, 3, 5))[0], "frames that are missing there are no matter")
+
+    def test_without_a_wrap_none_is_seen(self):
+        last = (1 << 32) - 1
+        for what, sequences in (
+            ("a quiet stream", range(200)),
+            ("nothing given away", ()),
+            ("the end alone", (last - 1, last)),
+            ("the start alone", (0, 1)),
+            ("started anew", (300, 301, 0, 1)),
+            ("started anew just before the wrap", (300, 301, last - 1, last)),
+            ("twice: streams that were started anew", (last, 0, last, 0)),
+        ):
+            self.assertFalse(sequence_wraps(self.numbered(*sequences))[0], what)
+        self.assertEqual(sequence_wraps(self.numbered(1, 2)), (False, "no wrap"))
+
+    def test_stamps_cross_a_boundary_on_their_way_up(self):
+        at = (1 << 31) * 10**9
+        self.assertEqual(stamps_cross(at)(self.stamped(at - 17, at)), (True, f"stamp {at - 17} then {at} ns"))
+        # The kernel's numbers have a sign: past 2^63 they are negative.
+        self.assertTrue(stamps_cross(1 << 63)(self.stamped((1 << 63) - 10**7, -(1 << 63) + 10**7))[0])
+
+    def test_without_a_crossing_none_is_seen(self):
+        for at in ((1 << 31) * 10**9, 1 << 63):
+            for what, stamps in (
+                ("a quiet stream", (20e9, 20.1e9, 20.2e9)),
+                ("nothing given away", ()),
+                ("before it alone", (at - 2 * 10**9, at - 10**9)),
+                ("behind it alone", (at + 10**9, at + 2 * 10**9)),
+                ("the clock set behind it", (20 * 10**9, at + 10**9)),
+                ("the clock set back", (at + 10**9, at - 10**9)),
+                ("twice", (at - 1, at, at - 1, at)),
+            ):
+                self.assertFalse(stamps_cross(at)(self.stamped(*stamps))[0], what)
+        self.assertEqual(stamps_cross(1 << 63)(self.stamped(1, 2)), (False, "no wrap"))
 
 
 class Sensors(unittest.TestCase):

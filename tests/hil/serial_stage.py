@@ -276,6 +276,7 @@ class SerialStage:
                 self.polled("usb-pymodbus", client, 4)
                 losses_before = service.read().bus_errors
                 rows, wrong = [], []
+                self.stage.begin("usb-unplugged")
                 for turn in range(1, UNPLUGGED_TIMES + 1):
                     wrong += [f"time {turn}: {what}" for what in self.pull(service, cable, client, node, turn, rows)]
                 counted = service.read().bus_errors - losses_before

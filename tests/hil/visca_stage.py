@@ -159,6 +159,7 @@ class ViscaStage:
         header = ("asked for [deg]", "the camera's position [steps]", "registers 37, 38 [deg]")
         self.stage.table("`ninedot aim` and a VISCA camera (pan / tilt)", header, rows)
         self.stage.ok("angles", good, f"{len(rows)} positions, right to the camera's own step, and read back")
+        self.stage.begin("limit")
         self.aim(120, -60)
         service.wait_for(lambda registers: registers.word(4) & STATUS_LIMIT, "the status bit servo_limit", 10)
         time.sleep(SETTLES_S)
@@ -166,6 +167,7 @@ class ViscaStage:
 
     def lost_and_back(self, service, check, what, lose, bring_back):
         """The camera is somewhere else when it comes back, as after a power cut: the last target is set again."""
+        self.stage.begin(check)
         self.aim(20, 5)
         lost_at = time.monotonic()
         lose()
@@ -195,6 +197,7 @@ class ViscaStage:
         service = GuestService(self.guest, CONFIG)
         with service:
             service.wait_for(lambda registers: registers.valid, "a valid pose")
+            self.stage.begin("zoom")
             service.wait_for(lambda _: self.camera.zoom == ZOOM, "the zoom is set", 10)
             self.stage.ok("zoom", True, f"set to {self.camera.zoom} at the start")
             self.angles(service)
