@@ -6,7 +6,8 @@
 # All of it takes about forty minutes on two busy cores, one mutation 2 to 60 s. The list is tests/mutation/mutations.txt. Nothing is
 # changed here: everything happens in a copy, build/mutation. What was seen red is remembered there until the broken file or the tests
 # of its room change; --again forgets it. --hil: also those that a guest under QEMU has to judge, some minutes each.
-# Exit status 1: a mutation survived without a reason given, applies no more, or does not build.
+# Exit status 1: a mutation survived without a reason given, applies no more, or does not build; or its check is not green without it,
+# was not reached (a guest that does not boot), or did not end in time.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/.."
 copy=$PWD/build/mutation

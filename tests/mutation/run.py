@@ -15,8 +15,11 @@ import subprocess
 import sys
 import time
 
+import verdict
+
 LIST = pathlib.Path("tests/mutation/mutations.txt")
 SEEN_RED = pathlib.Path("build/seen-red.json")
+VERDICT = pathlib.Path("tests/mutation/verdict.py")
 BUILD = pathlib.Path("build/release")
 PATIENCE_S = 600
 
@@ -29,10 +32,12 @@ class Mutation:
     + what stands there instead
     ! PROGRAM GTEST-FILTER, or: ! hil STAGE.CHECK
     ~ why it may survive
+    % why its check may never end: that is red then
     """
 
     def __init__(self, lines):
-        self.file, self.old, self.new, self.check, self.reason = lines[0], [], [], None, None
+        self.file, self.old, self.new, self.check = lines[0], [], [], None
+        self.may_survive = self.may_not_end = None
         for line in lines[1:]:
             kind, text = line[0], line[2:]
             if kind == "-":
@@ -42,14 +47,18 @@ class Mutation:
             elif kind == "!":
                 self.check = text.split()
             elif kind == "~":
-                self.reason = text
+                self.may_survive = text
+            elif kind == "%":
+                self.may_not_end = text
             else:
-                raise ValueError(f"{LIST}: a line begins with none of - + ! ~: {line}")
+                raise ValueError(f"{LIST}: a line begins with none of - + ! ~ %: {line}")
         if not self.old or len(self.check or []) != 2:
             raise ValueError(f"{LIST}: not whole: {lines}")
         self.before, self.after = "\n".join(self.old), "\n".join(self.new)
 
     is_hil = property(lambda self: self.check[0] == "hil")
+    # What has to be green without any mutation: the guest's check, or the program.
+    asks = property(lambda self: self.check[1] if self.is_hil else self.check[0])
     name = property(lambda self: " ".join(f"{self.file}: {self.after.strip() or 'without ' + self.before}".split()))
 
     def applies(self):
@@ -57,10 +66,10 @@ class Mutation:
         return path.exists() and path.read_text().count(self.before) == 1
 
     def identity(self):
-        """Another one when the file, the mutation, or a test of the check's room is."""
+        """Another one when the file, the mutation, a test of the check's room, or what is called red is."""
         room = pathlib.Path("tests") / ("hil" if self.is_hil else self.check[0].removesuffix("_test"))
         digest = hashlib.sha256(repr((self.file, self.before, self.after, self.check)).encode())
-        for path in [pathlib.Path(self.file), *sorted(path for path in room.glob("*") if path.suffix in (".cpp", ".h", ".py"))]:
+        for path in [pathlib.Path(self.file), VERDICT, *sorted(path for path in room.glob("*") if path.suffix in (".cpp", ".h", ".py"))]:
             digest.update(path.read_bytes())
         return digest.hexdigest()
 
@@ -121,23 +130,20 @@ def built(*targets):
 
 
 def run_tests(program, tests):
-    """\\return  whether all are green, or None where there is no such test"""
+    """\\return  (outcome, what there is to add)"""
     command = [BUILD / "bin" / program, f"--gtest_filter={tests}"]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired:
-        return False
-    if "Running 0 tests" in done.stdout:
-        return None
-    return done.returncode == 0
+        return verdict.of_tests(verdict.NO_TIME_LEFT, "")
+    return verdict.of_tests(done.returncode, done.stdout)
 
 
-def run_stage(check):
-    done = subprocess.run(
-        ["/usr/bin/python3", "tests/hil/run.py", BUILD / "bin", "build/hil", check], capture_output=True, text=True
-    )
-    lines = [line for line in done.stdout.splitlines() if f"ok {check} " in line]
-    return not any(line.startswith("not ok") for line in lines) if lines else None
+def run_checks(checks):
+    """In a guest. \\return  of each STAGE.CHECK (outcome, what there is to add)"""
+    command = ["/usr/bin/python3", "tests/hil/run.py", BUILD / "bin", "build/hil", *checks]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    return {check: verdict.of_check(check, done.stdout) for check in checks}
 
 
 def judge(mutation):
@@ -151,26 +157,35 @@ def judge(mutation):
         if made.returncode != 0:
             errors = [line for line in made.stdout.splitlines() if "error:" in line]
             return "NO BUILD", errors[0] if errors else made.stdout[-200:]
-        green = run_stage(check) if mutation.is_hil else run_tests(program, check)
+        outcome, detail = run_checks([check])[check] if mutation.is_hil else run_tests(program, check)
     finally:
         path.write_text(original)
-    if green is None:
-        return "NO TEST", ""
-    return ("survived" if mutation.reason else "SURVIVED", mutation.reason or "") if green else ("red", "")
+    return verdict.of_mutation(outcome, detail, mutation.may_survive, mutation.may_not_end)
 
 
 def green_without(mutations):
-    """The programs that are green as they are: of others a red one says nothing. \\return  names"""
+    """The programs and the guest's checks that are green as they are: of others a red one says nothing. \\return  names"""
     green = set()
+    if checks := sorted({mutation.asks for mutation in mutations if mutation.is_hil}):
+        made = built("ninedot", "ninedotd")
+        if made.returncode != 0:
+            sys.exit(f"mutation: the programs do not build as they are:\n{made.stdout[-2000:]}")
+        # Together: each stage once, or its smoke part where that has them all.
+        for check, (outcome, detail) in run_checks(checks).items():
+            if outcome == verdict.GREEN:
+                green.add(check)
+            else:
+                print(f"NOT GREEN {check} without any mutation: {outcome}  {detail}", flush=True)
     for program in sorted({mutation.check[0] for mutation in mutations if not mutation.is_hil}):
         made = built(program)
         if made.returncode != 0:
             sys.exit(f"mutation: {program} does not build as it is:\n{made.stdout[-2000:]}")
         tests = ":".join(sorted({mutation.check[1] for mutation in mutations if mutation.check[0] == program}))
-        if run_tests(program, tests):
+        outcome, detail = run_tests(program, tests)
+        if outcome == verdict.GREEN:
             green.add(program)
         else:
-            print(f"NOT GREEN {program} without any mutation: {tests}", flush=True)
+            print(f"NOT GREEN {program} without any mutation: {outcome}  {detail or tests}", flush=True)
     return green
 
 
@@ -212,8 +227,8 @@ def main(arguments):
         progress.at(mutation.name)
         if not mutation.applies():
             result, detail = "NO PLACE", "the line is not there, or more than once: correct the list"
-        elif not mutation.is_hil and mutation.check[0] not in green:
-            result, detail = "NOT GREEN", mutation.check[0]
+        elif mutation.asks not in green:
+            result, detail = "NOT GREEN", "without any mutation: see above"
         else:
             identity = mutation.identity()
             result, detail = judge(mutation)
