@@ -2,7 +2,8 @@
 # Debian's own check of packages finds no error in ours. Warnings are shown and fail nothing: ours have no manual pages, and their change log is in
 # another form than Debian's.
 #
-#   tests/package/lintian_test.sh [PACKAGE...]     default: what ./dev package, ./dev cross and toolchains/modules.sh have made last
+#   tests/package/lintian_test.sh [PACKAGE...]     default: what ./dev package, ./dev cross (with and without --backports) and
+#                                                  toolchains/modules.sh have made last
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source toolchains/roots.sh
@@ -10,7 +11,8 @@ source toolchains/roots.sh
 command -v lintian > /dev/null || roots_fail "needs lintian: ./dev packages package-test"
 packages=("$@")
 if [[ $# -eq 0 ]]; then
-  for pattern in build/{release,package-arm64,package-armhf}/package/ninedot{,-web}_*.deb "$ninedot_cache/modules-*/*.deb"; do
+  # Quoted: of each pattern, and not of each file, the newest.
+  for pattern in build/{release,package-{arm64,armhf}{,-backports}}/package/{ninedot,ninedot-web}"_*.deb" "$ninedot_cache/modules-*/*.deb"; do
     # shellcheck disable=SC2086
     if compgen -G "$pattern" > /dev/null; then packages+=("$(ls -t $pattern | head -n 1)"); fi
   done
