@@ -26,7 +26,9 @@ BusPanTilt::BusPanTilt(Open open, const BusPanTiltOptions& options, const ServoA
   bus_ = open_();
   Result<void> done = look();
   if (done && !tells_position_) {
-    ordered_.targets = {axes_.pan.output_at(at.pan_rad).value, axes_.tilt.output_at(at.tilt_rad).value};
+    const RunningTargets running = bus_->running();
+    ordered_.targets = {running.pan.value_or(axes_.pan.output_at(at.pan_rad).value),
+                        running.tilt.value_or(axes_.tilt.output_at(at.tilt_rad).value)};
     leave(Order::Kind::kDrive);
     done = obey(orders_.take());
   }

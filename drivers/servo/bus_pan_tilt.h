@@ -37,7 +37,8 @@ class BusPanTilt final : public PanTilt {
  public:
   using Open = std::function<std::unique_ptr<ServoBus>()>;
 
-  /// Servos that tell where they are stay there until they are told to move; others get their first pulses for `at`.
+  /// Servos that tell where they are stay there until they are told to move. Others get their first pulses for `at`;
+  /// one whose pulses still run keeps them, and stands where they say.
   /// \param open  throws StartupError; called here at first, then by the thread
   /// Throws what `open` throws, and DeviceAbsent where the servos can't be driven.
   BusPanTilt(Open open, const BusPanTiltOptions& options, const ServoAxes& axes, const HeadAngles& at);

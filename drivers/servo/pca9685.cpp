@@ -47,6 +47,10 @@ int pca9685::steps_of(double pulse_us, int prescale, double oscillator_hz) noexc
   return static_cast<int>(std::clamp(steps, 1.0, kSteps - 1.0));
 }
 
+double pca9685::pulse_us_of(int steps, int prescale, double oscillator_hz) noexcept {
+  return steps * (prescale + 1) / oscillator_hz * 1e6;
+}
+
 int check_pca9685_period(const Pca9685Options& options) {
   const auto prescale = pca9685::prescale_of(options.period, options.oscillator_hz);
   if (!prescale)
@@ -74,12 +78,23 @@ Pca9685::Pca9685(std::unique_ptr<I2cDevice> chip, const Pca9685Options& options,
 Result<void> Pca9685::set_up() noexcept {
   NINEDOT_TRY(const std::uint8_t mode, chip_->read_register(kMode1));
   NINEDOT_TRY(const std::uint8_t prescale, chip_->read_register(kPrescale));
-  // First of all the counting up of registers, which writing an output needs, then no old pulse while the period
-  // changes, and none when the outputs come back.
+  NINEDOT_TRY(const std::uint8_t outputs, chip_->read_register(kMode2));
+  // One that woke up and was not restarted has its outputs off; one that is inverted puts out the rest of the period.
+  if ((mode & (kSleep | kRestart)) == 0 && prescale == prescale_ && outputs == kTotemPole) {
+    NINEDOT_TRY(pan_steps_, running_steps(options_.pan_channel, options_.pan_range));
+    NINEDOT_TRY(tilt_steps_, running_steps(options_.tilt_channel, options_.tilt_range));
+  }
+  // Then the counting up of registers, which writing an output needs, no old pulse while the period changes, and none
+  // when the outputs come back.
   const auto as_it_slept = static_cast<std::uint8_t>((mode & kSleep) | kAutoIncrement);
   if (const Result<void> done = chip_->write_register(kMode1, as_it_slept); !done) return done;
-  for (const int channel : {options_.pan_channel, options_.tilt_channel})
-    if (const Result<void> done = write_output(channel, 0); !done) return done;
+  const auto take_over = [this](int channel, int steps, std::optional<double>& running_us) -> Result<void> {
+    if (steps == 0) return write_output(channel, 0);
+    running_us = pca9685::pulse_us_of(steps, prescale_, options_.oscillator_hz);
+    return {};
+  };
+  if (const Result<void> done = take_over(options_.pan_channel, pan_steps_, running_.pan); !done) return done;
+  if (const Result<void> done = take_over(options_.tilt_channel, tilt_steps_, running_.tilt); !done) return done;
   std::uint8_t awake = mode;
   if (prescale != prescale_ || (mode & kSleep) != 0) {
     // PRE_SCALE is taken while asleep only. A chip that fell asleep with its outputs running sets RESTART.
@@ -97,6 +112,22 @@ Result<void> Pca9685::set_up() noexcept {
   if (const Result<void> done = expect_register(kPrescale, 0xFF, static_cast<std::uint8_t>(prescale_)); !done)
     return done;
   return expect_register(kMode1, kMode1Mask, kAutoIncrement);
+}
+
+/// \return  0: the channel puts out no pulse that `drive` could have told it.
+Result<int> Pca9685::running_steps(int channel, const PulseRange& range) noexcept {
+  std::array<std::uint8_t, kRegistersPerOutput> found{};
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    NINEDOT_TRY(found[i], chip_->read_register(static_cast<std::uint8_t>(register_of(channel) + i)));
+  }
+  const bool begins_with_the_period = found[0] == 0 && found[1] == 0;
+  // Full-off among the upper bits makes this larger than any pulse.
+  const int steps = found[2] | found[3] << 8;
+  // In steps: the shortest and the longest pulse were rounded as well.
+  const bool is_ours = begins_with_the_period &&
+                       steps >= pca9685::steps_of(range.min_us, prescale_, options_.oscillator_hz) &&
+                       steps <= pca9685::steps_of(range.max_us, prescale_, options_.oscillator_hz);
+  return is_ours ? steps : 0;
 }
 
 Result<void> Pca9685::write_output(int channel, int steps) noexcept {

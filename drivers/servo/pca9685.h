@@ -14,10 +14,16 @@
 
 namespace ninedot {
 
+/// Of the pulses that an axis may get; the default is that of [pan_tilt.pan].
+struct PulseRange {
+  double min_us = 1000, max_us = 2000;
+};
+
 struct Pca9685Options {
   int pan_channel = 0, tilt_channel = 1;  ///< 0..15, two different ones (contract)
   std::chrono::nanoseconds period = std::chrono::milliseconds(20);
-  double oscillator_hz = 25e6;  ///< the chip's own is 25 MHz, give or take some percent: measure a pulse
+  double oscillator_hz = 25e6;           ///< the chip's own is 25 MHz, give or take some percent: measure a pulse
+  PulseRange pan_range{}, tilt_range{};  ///< a running pulse that is beyond was none of ours
 };
 
 namespace pca9685 {
@@ -35,6 +41,9 @@ std::optional<int> prescale_of(std::chrono::nanoseconds period, double oscillato
 /// Pulse [us] in steps of the period that the chip really has: 1..4095. \param prescale  [1]. Threads: pure.
 int steps_of(double pulse_us, int prescale, double oscillator_hz) noexcept;
 
+/// \param prescale  [1]. \return  [us] the pulse of so many steps. Threads: pure.
+double pulse_us_of(int steps, int prescale, double oscillator_hz) noexcept;
+
 }  // namespace pca9685
 
 /// Throws StartupError(kWrongUsage): no such period with this oscillator. \return  [1] its prescale. Threads: pure.
@@ -45,7 +54,9 @@ int check_pca9685_period(const Pca9685Options& options);
 /// for a moment and all of its outputs pause; the other channels are left as they are.
 ///
 /// Nothing here survives the process but the chip's registers: after a kill the last pulses go on, unless the OE pin is
-/// on a GPIO line, which the kernel takes back then.
+/// on a GPIO line, which the kernel takes back then. A chip that is found running as this would run it is not stopped:
+/// each of the two pulses that an axis may get goes on, and is what `running` tells. Everything else is off until the
+/// first `drive`.
 /// Threads: as ServoBus says; a transfer takes 0.4 ms at 100 kHz, `look` seven of them, each as long as I2cDevice says
 /// where the bus hangs.
 class Pca9685 final : public ServoBus {
@@ -59,9 +70,11 @@ class Pca9685 final : public ServoBus {
   Result<void> release() noexcept override;
   /// No position. Fails when the chip is no longer as it was set up: it forgets everything when its supply drops.
   Result<ServoReading> look() noexcept override;
+  RunningTargets running() const noexcept override { return running_; }
 
  private:
   Result<void> set_up() noexcept;
+  Result<int> running_steps(int channel, const PulseRange& range) noexcept;
   Result<void> write_output(int channel, int steps) noexcept;
   Result<void> expect_register(std::uint8_t address, std::uint8_t mask, std::uint8_t value) noexcept;
   Result<void> expect_output(int channel, int steps) noexcept;
@@ -71,6 +84,7 @@ class Pca9685 final : public ServoBus {
   const Pca9685Options options_;
   const int prescale_;
   int pan_steps_ = 0, tilt_steps_ = 0;  // 0: off
+  RunningTargets running_;
   bool is_enabled_ = false;
 };
 

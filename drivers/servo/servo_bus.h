@@ -13,6 +13,11 @@ struct ServoTargets {
   friend bool operator==(const ServoTargets&, const ServoTargets&) = default;
 };
 
+/// For pan and tilt what was put out already, by a service that crashed; none: nothing.
+struct RunningTargets {
+  std::optional<double> pan, tilt;  ///< [us] or [steps], as those of ServoTargets
+};
+
 /// What servos tell about themselves; NaN: they don't. Of both the worse.
 struct ServoHealth {
   double load_percent = kUnknown;  ///< of the largest that the servo can give; its size, without a sign
@@ -27,8 +32,8 @@ struct ServoReading {
   ServoHealth health;
 };
 
-/// Set up by whoever opens it, without force or pulses until the first `drive`; closed by its destructor, which leaves
-/// the servos as they are.
+/// Set up by whoever opens it, without force or pulses until the first `drive`, but for those of `running`; closed by
+/// its destructor, which leaves the servos as they are.
 ///
 /// Every method: \error  kIo: after a bounded number of attempts, the bus or what hangs on it is lost, and has to be
 /// opened anew; the text says what happened. Memory: none. Threads: one at a time; each waits for the bus, for a time
@@ -42,6 +47,8 @@ class ServoBus {
   virtual Result<void> release() noexcept = 0;
   /// Asks where the servos are, and whether they still are as they were set up.
   virtual Result<ServoReading> look() noexcept = 0;
+  /// What the bus was found putting out when it was opened, and goes on with until the first `drive`. Asks nobody.
+  virtual RunningTargets running() const noexcept { return {}; }
 };
 
 }  // namespace ninedot

@@ -94,7 +94,12 @@ BusPanTiltOptions bus_options(const PanTiltConfig& config, std::chrono::millisec
 }
 
 Pca9685Options pca9685_options(const PanTiltConfig& config) {
-  return {config.pan.channel, config.tilt.channel, period_of(config), config.oscillator_hz};
+  return {config.pan.channel,
+          config.tilt.channel,
+          period_of(config),
+          config.oscillator_hz,
+          {config.pan.min_us, config.pan.max_us},
+          {config.tilt.min_us, config.tilt.max_us}};
 }
 
 std::unique_ptr<PanTilt> open_pca9685(const PanTiltConfig& config, const HeadAngles& at) {

@@ -37,6 +37,7 @@ CHECKS = SMOKE_CHECKS + (
     "i2c-inhibit",
     "i2c-off-at-exit",
     "i2c-after-kill",
+    "i2c-goes-on",
     "i2c-restart",
     "i2c-supply",
     "i2c-in-use",
@@ -46,6 +47,7 @@ CHECKS = SMOKE_CHECKS + (
 PERIOD_US, STEPS = 20000, 4096
 CHIP = "0-0040"
 LED0_ON, BYTES_PER_CHANNEL, FULL_OFF = 0x06, 4, 0x1000  # NXP PCA9685 data sheet, 7.3.3
+SLEEP = 0x10  # 7.3.1
 MODE1, MODE2, PRE_SCALE = 0x00, 0x01, 0xFE
 PAN, TILT = 0, 5
 POWER, LED, INHIBIT, PAN_LINE, TILT_LINE, OUTPUT_ENABLE = range(6)
@@ -55,6 +57,8 @@ CALIBRATION = ((-30, 1900), (0, 1480), (30, 1150))
 # Under emulation an edge costs a tenth of a millisecond, and late wake-ups come on top of most pulses: the shortest one tells what
 # width was meant. Measured: 80 to 110 us too long on a host with eight other things to do on two processors.
 SHORTER_US, LONGER_US = 20, 250
+# Of a head that turns by 10 deg/s, so by 20 steps in a second: what comes half a second late. A jump to neutral is 51 and 20 steps.
+SLOW_STEPS = 10
 
 
 def steps_of(pulse_us):
@@ -460,6 +464,7 @@ class ServoStage:
         try:
             with service:
                 service.wait_for(lambda registers: registers.valid, "a valid pose")
+                self.aim(-20, 10)
                 self.guest.check("killall -KILL ninedotd; sleep 0.5")
         except AssertionError:
             if service.exit_status != "137":
@@ -467,16 +472,45 @@ class ServoStage:
         killed = self.chip_state()
         self.stage.ok(
             "i2c-after-kill",
-            killed == (*neutral[:2], 1) and self.value(POWER) == 0,
+            killed == (i2c_steps_of(1300), i2c_steps_of(1600), 1) and self.value(POWER) == 0,
             f"the registers keep the last pulses {killed[:2]}; OE is pulled to {killed[2]}, and the servos' power is off",
         )
-        with GuestService(self.guest, self.config(**options)) as again:
+        # So slowly that a ramp and a jump are easily told apart.
+        self.trace.start("smbus/smbus_write")
+        with GuestService(self.guest, self.config(**options, slew=10)) as again:
             again.wait_for(lambda registers: registers.valid, "a valid pose")
+            back = self.wait_for_state(neutral)
+            pulses, paused = self.traced_pulses(self.trace.stop())
+            ramps = [
+                bool(way) and all(abs(after - before) <= SLOW_STEPS for before, after in zip((start, *way), way))
+                for start, way in zip(killed, (pulses[PAN], pulses[TILT]))
+            ]
+            self.stage.ok(
+                "i2c-goes-on",
+                all(ramps) and not paused and back is not None,
+                f"from {killed[:2]} to {neutral[:2]} in {len(pulses[PAN])} and {len(pulses[TILT])} writes of {SLOW_STEPS} steps at most; "
+                f"the chip slept or was switched off {paused} times",
+            )
             self.aim(-20, 10)
             state = self.chip_state()
             self.stage.ok(
                 "i2c-restart", state == (i2c_steps_of(1300), i2c_steps_of(1600), 0), f"takes over the chip: {state[:2]} steps"
             )
+
+    def traced_pulses(self, trace):
+        """\return  by channel the widths [steps] that were written, and how often the chip was told to sleep or to switch one off"""
+        pulses, paused = {PAN: [], TILT: []}, 0
+        # The kernel shows a block with its length before it.
+        for register, kind, text in re.findall(r"smbus_write: i2c-\d+ a=040 f=\w+ c=(\w+) (\w+) l=\d+ \[([\w-]*)\]", trace):
+            address, values = int(register, 16), [int(value, 16) for value in text.split("-")]
+            if address == MODE1 and kind == "BYTE_DATA":
+                paused += bool(values[0] & SLEEP)
+            for channel in pulses:
+                if address == LED0_ON + BYTES_PER_CHANNEL * channel:
+                    off = values[4] << 8 | values[3]
+                    paused += bool(off & FULL_OFF)
+                    pulses[channel].append(off)
+        return pulses, paused
 
     def registers(self, *addresses):
         text = self.guest.check(

@@ -260,6 +260,59 @@ TEST(BusPanTilt, APca9685ThatLostItsSupplyIsSetUpAgainAndGetsItsPulsesBack) {
   EXPECT_EQ(chip.open_handles, 1);
 }
 
+/// A head on the chip; nobody asked it anything yet.
+std::unique_ptr<BusPanTilt> head_on(test::EmulatedPca9685& chip, const HeadAngles& at,
+                                    const BusPanTiltOptions& options = impatient()) {
+  return std::make_unique<BusPanTilt>(
+      [&chip] { return std::make_unique<Pca9685>(chip.handle(), Pca9685Options{}, nullptr); }, options, axes(), at);
+}
+
+/// Whether an output was switched off, or the chip sent to sleep.
+bool has_paused(const test::EmulatedPca9685& chip) {
+  return std::ranges::any_of(chip.writes(), [](const auto& write) {
+    return (write.address == 0x00 && (write.values.front() & 0x10) != 0) ||
+           (write.values.size() == 4 && (write.values.back() & 0x10) != 0);
+  });
+}
+
+TEST(BusPanTilt, APca9685ThatAKillLeftRunningIsWhereItsPulsesSayAndGoesOnFromThere) {
+  test::EmulatedPca9685 chip;
+  head_on(chip, angles_deg(-30, 20), impatient(WhenStopped::kHold)).reset();
+  EXPECT_EQ(chip.pulse(0), 246);
+  chip.forget_writes();
+  const auto head = head_on(chip, angles_deg(5, -5));
+  EXPECT_NEAR(head->state().angles.pan_rad, -29.952 * kRad, 1e-9) << "1200.48 us, not 1550";
+  EXPECT_NEAR(head->state().angles.tilt_rad, 19.824 * kRad, 1e-9) << "1698.24 us";
+  EXPECT_FALSE(head->state().limited);
+  head->move_to(angles_deg(-29, 20));
+  EXPECT_TRUE(eventually([&] { return chip.pulse(0) == 248; }));
+  EXPECT_FALSE(has_paused(chip));
+}
+
+TEST(BusPanTilt, APca9685WithOnePulseLeftGetsTheOtherForWhereTheHeadIsTakenToBe) {
+  test::EmulatedPca9685 chip;
+  head_on(chip, angles_deg(-30, 20), impatient(WhenStopped::kHold)).reset();
+  chip.set(0x09, 0x10);
+  const auto head = head_on(chip, angles_deg(5, -5));
+  EXPECT_EQ(chip.pulse(0), 318) << "1550 us";
+  EXPECT_NEAR(head->state().angles.pan_rad, 5 * kRad, 1e-9);
+  EXPECT_EQ(chip.pulse(1), 348);
+  EXPECT_NEAR(head->state().angles.tilt_rad, 19.824 * kRad, 1e-9);
+}
+
+TEST(BusPanTilt, APca9685ThatWasSilentForAMomentKeepsItsPulses) {
+  test::EmulatedPca9685 chip;
+  const auto head = head_on(chip, angles_deg(0, 0));
+  chip.forget_writes();
+  chip.fails_from = 0;
+  EXPECT_TRUE(eventually([&] { return head->state().failed; }));
+  chip.fails_from = -1;
+  EXPECT_TRUE(eventually([&] { return !head->state().failed; }));
+  EXPECT_EQ(chip.pulse(0), 307);
+  EXPECT_EQ(chip.pulse(1), 307);
+  EXPECT_FALSE(has_paused(chip));
+}
+
 TEST(BusPanTilt, APca9685IsOffAfterTheEnd) {
   test::EmulatedPca9685 chip;
   {

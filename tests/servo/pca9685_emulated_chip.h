@@ -19,6 +19,7 @@ class EmulatedPca9685 {
     friend bool operator==(const Write&, const Write&) = default;
   };
   std::atomic<int> fails_from{-1};  ///< this many more transfers work, then none; -1: all
+  std::atomic<int> fails_at{-1};    ///< after this many more transfers one does not work; -1: none
   std::atomic<int> open_handles{0};
 
   EmulatedPca9685() { power_cycle(); }
@@ -83,6 +84,7 @@ class EmulatedPca9685 {
 
   static std::size_t at(int channel) { return 6 + 4 * static_cast<std::size_t>(channel); }
   bool answers() {
+    if (fails_at >= 0 && fails_at-- == 0) return false;
     if (fails_from < 0) return true;
     if (fails_from == 0) return false;
     --fails_from;

@@ -114,16 +114,104 @@ TEST(Pca9685, RestartsTheOtherChannelsAfterAChangeOfThePeriod) {
   EXPECT_EQ(chip.get(0x00) & 0x80, 0) << "RESTART was answered";
 }
 
-TEST(Pca9685, TakesOverAChipThatAKilledProgramLeftRunning) {
+/// The destructor alone ends no pulses.
+void leave_running(EmulatedPca9685& chip, const ServoTargets& pulses_us) {
+  Pca9685 killed = made(chip);
+  ASSERT_TRUE(killed.drive(pulses_us));
+}
+
+TEST(Pca9685, GoesOnWithThePulsesThatAKilledProgramLeftRunning) {
   EmulatedPca9685 chip;
-  {
-    Pca9685 killed = made(chip);
-    ASSERT_TRUE(killed.drive({1200, 1800}));
-  }
-  EXPECT_NE(chip.pulse(0), 0) << "the destructor alone ends no pulses: who holds does not release";
+  leave_running(chip, {1200, 1800});
+  chip.forget_writes();
   Pca9685 head = made(chip);
-  EXPECT_EQ(chip.pulse(0), 0);
-  EXPECT_EQ(chip.pulse(1), 0);
+  const std::vector<EmulatedPca9685::Write> expected{{0x00, {0x20}}, {0x01, {0x04}}, {0x00, {0x20}}};
+  EXPECT_EQ(chip.writes(), expected) << "what it holds already: neither sleep nor full off, and no output is touched";
+  EXPECT_EQ(chip.pulse(0), 246);
+  EXPECT_EQ(chip.pulse(1), 369);
+  EXPECT_TRUE(head.look());
+  const RunningTargets running = head.running();
+  ASSERT_TRUE(running.pan && running.tilt);
+  EXPECT_NEAR(*running.pan, 1200.48, 1e-6) << "246 of 122 / 25 MHz each";
+  EXPECT_NEAR(*running.tilt, 1800.72, 1e-6);
+  chip.forget_writes();
+  ASSERT_TRUE(head.drive({*running.pan, *running.tilt}));
+  EXPECT_TRUE(chip.writes().empty()) << "the head stands there";
+}
+
+TEST(Pca9685, StopsAChipThatDoesNotRunAsItWouldRunIt) {
+  for (const auto& [address, value, what] : {std::tuple{0x00, 0x30, "asleep"},
+                                             {0x00, 0xA0, "awake, and not restarted"},
+                                             {0xFE, 120, "another period"},
+                                             {0x01, 0x14, "inverted"}}) {
+    EmulatedPca9685 chip;
+    leave_running(chip, {1200, 1800});
+    chip.set(address, value);
+    const Pca9685 head = made(chip);
+    EXPECT_EQ(chip.get(0x09), 0x10) << what;
+    EXPECT_EQ(chip.get(0x0D), 0x10) << what;
+    EXPECT_FALSE(head.running().pan || head.running().tilt) << what;
+    EXPECT_EQ(chip.get(0x00), 0x20) << what;
+    EXPECT_EQ(chip.get(0x01), 0x04) << what;
+    EXPECT_EQ(chip.get(0xFE), 121) << what;
+  }
+}
+
+TEST(Pca9685, StopsAPulseThatWasNoneOfOursAndKeepsTheOther) {
+  for (const auto& [address, value, what] : {std::tuple{0x06, 1, "begins later"},
+                                             {0x07, 0x10, "full on"},
+                                             {0x09, 0x10, "full off"},
+                                             {0x09, 0x02, "longer than 2 ms"},
+                                             {0x08, 0x64, "shorter than 1 ms"}}) {
+    EmulatedPca9685 chip;
+    leave_running(chip, {1200, 1800});
+    chip.set(address, value);
+    Pca9685 head = made(chip);
+    EXPECT_EQ(chip.pulse(0), 0) << what;
+    EXPECT_EQ(chip.get(0x09), 0x10) << what;
+    EXPECT_FALSE(head.running().pan) << what;
+    EXPECT_EQ(chip.pulse(1), 369) << what;
+    EXPECT_TRUE(head.running().tilt) << what;
+    EXPECT_TRUE(head.look()) << what;
+  }
+}
+
+TEST(Pca9685, AServoThatStoodAtALimitOfItsPulsesStandsThereStill) {
+  Pca9685Options options;
+  options.pan_range = {900, 2100};
+  const auto runs = [&](int pan_steps, int tilt_steps) {
+    EmulatedPca9685 chip;
+    leave_running(chip, {1500, 1500});
+    for (const auto& [first, steps] : {std::pair{0x08, pan_steps}, {0x0C, tilt_steps}}) {
+      chip.set(first, steps & 0xFF);
+      chip.set(first + 1, steps >> 8);
+    }
+    const RunningTargets running = made(chip, options).running();
+    return std::pair{running.pan.has_value(), running.tilt.has_value()};
+  };
+  // 2000 us are 409.8 steps, so the longest pulse is rounded up; 1000 us are 204.9, 900 and 2100 us 184.4 and 430.3.
+  EXPECT_EQ(runs(184, 205), (std::pair{true, true}));
+  EXPECT_EQ(runs(430, 410), (std::pair{true, true}));
+  EXPECT_EQ(runs(183, 204), (std::pair{false, false}));
+  EXPECT_EQ(runs(431, 411), (std::pair{false, false}));
+}
+
+TEST(Pca9685, ATransferThatFailsAtTheStartEndsNoPulse) {
+  int transfers = 0;
+  for (bool works = false; !works; ++transfers) {
+    EmulatedPca9685 chip;
+    leave_running(chip, {1200, 1800});
+    chip.fails_at = transfers;
+    try {
+      made(chip);
+      works = true;
+    } catch (const DeviceAbsent&) {
+    }
+    EXPECT_EQ(works, chip.fails_at == 0) << "none was left that could fail";
+    EXPECT_EQ(chip.pulse(0), 246) << transfers;
+    EXPECT_EQ(chip.pulse(1), 369) << transfers;
+  }
+  EXPECT_EQ(transfers - 1, 16) << "3 and 8 questions, 3 writes, 2 that look whether all is right";
 }
 
 TEST(Pca9685, ReleaseIsFullOffInBothOutputsAndTheNextDriveComesBack) {
@@ -149,6 +237,21 @@ TEST(Pca9685, OutputEnableGoesOnLastAndOffFirst) {
   chip.fails_from = 0;  // the bus hangs
   EXPECT_FALSE(head.release());
   EXPECT_FALSE(pin.active) << "the line does without the bus";
+}
+
+TEST(Pca9685, OutputEnableGoesOnLastWithPulsesThatStillRun) {
+  EmulatedPca9685 chip;
+  leave_running(chip, {1500, 1500});
+  chip.forget_writes();
+  OutputEnable pin;
+  Pca9685 head(chip.handle(), {}, pin.line());
+  EXPECT_FALSE(pin.active) << "nobody has said yet that the head may move";
+  ASSERT_TRUE(head.drive({1500, 1500}));
+  EXPECT_TRUE(pin.active);
+  EXPECT_EQ(pin.changes, 1);
+  ASSERT_TRUE(head.release());
+  EXPECT_FALSE(pin.active);
+  EXPECT_EQ(chip.pulse(0), 0);
 }
 
 TEST(Pca9685, ReleaseTriesBothOutputsAndSaysWhatFailed) {
