@@ -64,13 +64,18 @@ void SmartServos::set_up(int id, double steps_per_s) {
                   options_.device, id, options_.baud));
   };
   if (table.mode_address >= 0) {
-    const Result<ServoBytes> mode = read(id, table.mode_address, 1);
-    if (!mode) refuse(mode.error());
-    if ((*mode)[0] != table.position_mode)
+    // A late answer to a question of before, whether there is force, looks the same: one byte of this servo's.
+    int mode = -1;
+    for (int attempt = 0; attempt < kAttempts && mode != table.position_mode; ++attempt) {
+      const Result<ServoBytes> found = read(id, table.mode_address, 1);
+      if (!found) refuse(found.error());
+      mode = (*found)[0];
+    }
+    if (mode != table.position_mode)
       throw StartupError(ExitStatus::kWrongUsage,
                          fmt::format("{}: servo {} is in operating mode {}; set mode {}, position control, with its "
                                      "maker's tool",
-                                     options_.device, id, (*mode)[0], table.position_mode));
+                                     options_.device, id, mode, table.position_mode));
   } else if (const Result<ServoBytes> torque = read(id, table.torque_address, 1); !torque) {
     refuse(torque.error());
   }

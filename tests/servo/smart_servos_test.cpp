@@ -151,6 +151,25 @@ TEST_P(SmartServosOf, EachOfTheseAloneIsNoReasonForALoss) {
   }
 }
 
+TEST_P(SmartServosOf, AnAnswerThatCameTwiceIsNotTakenForTheNextOne) {
+  SmartServos bus = servos();
+  emulated.faults.twice = true;
+  for (const int position : {100, 200, 300, 400}) {
+    emulated.put_at(kPan, position);
+    emulated.put_at(kTilt, 2 * position);
+    std::this_thread::sleep_for(20ms);
+    const auto reading = bus.look();
+    ASSERT_TRUE(reading);
+    ASSERT_TRUE(reading->position);
+    EXPECT_EQ(*reading->position, (ServoTargets{1.0 * position, 2.0 * position}));
+  }
+}
+
+TEST_P(SmartServosOf, ALateAnswerIsNoModeToRefuse) {
+  emulated.faults.late_torques = 2;
+  EXPECT_EQ(refusal(), "taken");
+}
+
 TEST_P(SmartServosOf, WhatTheAdapterBringsBackIsNoAnswer) {
   // Else the next question would be on the line together with the answer to this one.
   emulated.faults.echo = emulated.faults.silent = true;
