@@ -6,6 +6,7 @@ import struct
 import threading
 import time
 
+from latencies import read_histogram, side_by_side
 from qemu_board import BOARD_SERIAL
 from reporting import note, require
 
@@ -45,15 +46,6 @@ def start_unit(board, name, command):
     board.run(f"printf '[Service]\\nExecStart={command}\\nCPUAccounting=yes\\n' > /run/systemd/system/{name}.service; systemctl daemon-reload; systemctl start {name}", limit_s=120)
 
 
-def histogram(board):
-    """Returns frames in it, frames processed by the same report, and {upper edge as printed: frames}"""
-    said = board.run("ninedot tap --latencies")
-    head = re.match(r"latency of (\d+) frames since the start \((\d+) processed\)", said)
-    require(head, f"no histogram: {said}")
-    bins = {edge: int(count) for edge, count in re.findall(r"(?m)^((?:up to|above) +[\d.]+ ms) +(\d+) ", said)}
-    return int(head[1]), int(head[2]), bins
-
-
 def frames_of(board):
     """Returns processed, dropped, failed and the guest's time of it in seconds"""
     end, found = time.monotonic() + 60, None
@@ -65,7 +57,7 @@ def frames_of(board):
 
 
 def measure_latency(board, seconds):
-    """Returns processed frames and their share of all that came, and the latencies, over so many seconds of a service that has just started"""
+    """Returns the processed frames' share of all that came, the latencies in words, and their bins, over so many seconds of a service that has just started"""
     board.run("systemctl restart ninedotd", limit_s=120)
     check_real_time(board, board.run("systemctl show -P MainPID ninedotd"))
     before = frames_of(board)
@@ -77,12 +69,14 @@ def measure_latency(board, seconds):
     require(processed > 0 and failed == 0, f"{processed} frames processed, {failed} failed in {took_s:.0f} s")
     # Each frame that the recording gives is there or counted: none vanishes.
     require(abs(came - RATE_HZ * took_s) <= 0.1 * RATE_HZ * took_s + RATE_HZ, f"{processed} processed and {dropped} dropped of {RATE_HZ * took_s:.0f} frames in {took_s:.1f} s")
-    count, at_once, bins = histogram(board)
+    said = board.run("ninedot tap --latencies")
+    require(read_histogram(said), f"no histogram: {said}")
+    count, at_once, bins = read_histogram(said)
     require(count == at_once == sum(bins.values()), f"the histogram holds {count} frames, {sum(bins.values())} by its bins, of {at_once} processed")
     require(count >= after[0], f"the histogram holds {count} frames, before it {after[0]} were processed")
     median, p99, _, largest = (value / 10 for value in board.registers(68, 4))
     require(0 < median <= p99 <= largest, f"latencies: median {median}, p99 {p99}, largest {largest} ms")
-    return processed, processed / came, f"{processed} of {came} frames, median {median:.1f}, p99 {p99:.1f}, largest {largest:.1f} ms"
+    return processed / came, f"{processed} of {came} frames, median {median:.1f}, p99 {p99:.1f}, largest {largest:.1f} ms", bins
 
 
 # Everything that competes for processors and memory, at ordinary priority, as all else on the board is.
@@ -92,13 +86,13 @@ while :; do dd if=/dev/zero of=/tmp/load bs=64k count=64 2> /dev/null; rm -f /tm
 """
 
 
-def check_latency(board, seconds=20):
+def check_latency(board, seconds=60):
     """From exposure to report, idle and under load. QEMU emulates the processor: what is shown is that it is counted and that load takes nothing from it."""
-    _, idle_share, idle = measure_latency(board, seconds)
+    idle_share, idle, idle_bins = measure_latency(board, seconds)
     board.run(f"cat > /tmp/load.sh << 'END'{LOAD}END")
     start_unit(board, "ninedot-load", "/bin/sh /tmp/load.sh")
     try:
-        _, busy_share, busy = measure_latency(board, seconds)
+        busy_share, busy, busy_bins = measure_latency(board, seconds)
         used = board.run("systemctl show -P CPUUsageNSec ninedot-load")
         require(int(used) > seconds * 1e9 / 10, f"the load used {used} ns: there was none")
     finally:
@@ -107,6 +101,7 @@ def check_latency(board, seconds=20):
     require(busy_share >= 0.8 * idle_share, f"load takes frames from the service: {busy_share:.2f} of them processed, {idle_share:.2f} without; idle {idle}; under load {busy}")
     note("frame to report, idle (emulated: function, not speed)", idle)
     note("the same under load, five busy processes", f"{busy}; the frame loop is SCHED_FIFO 50, the histogram holds every frame")
+    print("".join(f"   {line}\n" for line in side_by_side({"idle": idle_bins, "under load": busy_bins})), end="", flush=True)
 
 
 def check_identity(board):
