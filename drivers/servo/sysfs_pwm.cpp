@@ -36,10 +36,11 @@ void write(const std::string& path, std::int64_t number) {
     refuse_device(open_advice(path, done.error().os_errno), done.error().os_errno);
 }
 
-int channel_count(const std::string& chip_folder) {
-  int count = 0;
-  std::ifstream(chip_folder + "/npwm") >> count;
-  return count;
+/// 0 where there is none.
+std::int64_t number_in(const std::string& path) {
+  std::int64_t number = 0;
+  std::ifstream(path) >> number;
+  return number;
 }
 
 bool is_folder(const std::string& path) {
@@ -80,11 +81,8 @@ std::chrono::nanoseconds first_pulse(const SysfsPanTiltOptions& options, const s
 
 std::optional<std::chrono::nanoseconds> running_pulse(const std::string& root, const std::string& chip, int channel) {
   const std::string folder = fmt::format("{}/pwm{}", find_pwm_chip(root, chip), channel);
-  int enabled = 0;
-  std::int64_t pulse_ns = 0;
-  std::ifstream(folder + "/enable") >> enabled;
-  std::ifstream(folder + "/duty_cycle") >> pulse_ns;
-  if (enabled != 1 || pulse_ns <= 0) return std::nullopt;
+  const std::int64_t pulse_ns = number_in(folder + "/duty_cycle");
+  if (number_in(folder + "/enable") != 1 || pulse_ns <= 0) return std::nullopt;
   return std::chrono::nanoseconds(pulse_ns);
 }
 
@@ -103,7 +101,7 @@ std::string find_pwm_chip(const std::string& root, const std::string& chip) {
 
 void check_sysfs_pwm(const std::string& root, const std::string& chip, int channel) {
   const std::string folder = find_pwm_chip(root, chip);
-  if (const int count = channel_count(folder); channel >= count)
+  if (const std::int64_t count = number_in(folder + "/npwm"); channel >= count)
     throw StartupError(ExitStatus::kWrongUsage,
                        fmt::format("PWM chip '{}' has the channels 0 to {}, no channel {}", chip, count - 1, channel));
   const std::string channel_folder = fmt::format("{}/pwm{}", folder, channel);
@@ -119,9 +117,12 @@ SysfsPwm::SysfsPwm(const std::string& root, const std::string& chip, int channel
   check_sysfs_pwm(root, chip, channel);
   export_channel(chip_folder_, channel_folder_, channel);
   const std::string duty = channel_folder_ + "/duty_cycle";
-  // The kernel refuses a period below the pulse that is set: the old pulse goes first.
-  write(duty, 0);
-  write(channel_folder_ + "/period", period.count());
+  // The kernel refuses a period below the pulse that is set: the old pulse goes first. Not where the period is right
+  // already: what a crash left running goes on without a gap.
+  if (const std::string file = channel_folder_ + "/period"; number_in(file) != period.count()) {
+    write(duty, 0);
+    write(file, period.count());
+  }
   duty_ = FileDescriptor(::open(duty.c_str(), O_WRONLY | O_CLOEXEC));
   if (!duty_) throw DeviceAbsent(open_advice(duty, errno));
   if (const Result<void> done = set_pulse(pulse); !done)

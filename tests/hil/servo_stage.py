@@ -26,6 +26,8 @@ CHECKS = SMOKE_CHECKS + (
     "led-no-landmark",
     "led-no-camera",
     "power-off-after-kill",
+    "pwm-after-kill",
+    "ramp-after-kill",
     "restart-after-kill",
     "follows",
     "rests-without-landmark",
@@ -53,6 +55,9 @@ PAN, TILT = 0, 5
 POWER, LED, INHIBIT, PAN_LINE, TILT_LINE, OUTPUT_ENABLE = range(6)
 NAMES = ("servo-power", "status-led", "inhibit", "pan-pulse", "tilt-pulse", "output-enable")
 LANDMARK, NO_LANDMARK = 22, 33  # scenes: near the middle of the picture, and without one
+LEFT_AT_DEG = (30, -20)  # where the service is killed
+# Slow enough for a jump of 20 degrees to stand out, in spite of wake-ups that come a quarter of a second late.
+RAMP_DEG_PER_S, RAMP_AHEAD_DEG = 20, 5
 CALIBRATION = ((-30, 1900), (0, 1480), (30, 1150))
 # Under emulation an edge costs a tenth of a millisecond, and late wake-ups come on top of most pulses: the shortest one tells what
 # width was meant. Measured: 80 to 110 us too long on a host with eight other things to do on two processors.
@@ -73,6 +78,18 @@ def quantiles(values, *shares):
 def i2c_steps_of(pulse_us):
     """Of our own driver, which takes the nearest: 25 MHz, divided by 122 for 20 ms."""
     return math.floor(pulse_us * 25 / 122 + 0.5)
+
+
+def outputs_of(guest, bus, i2cget="i2cget"):
+    """\\return  for pan and tilt: steps that the chip's registers keep the output high, 0 when it is off"""
+    found = []
+    for channel in (PAN, TILT):
+        first = LED0_ON + BYTES_PER_CHANNEL * channel
+        text = guest.check(f"for r in {' '.join(hex(first + i) for i in range(4))}; do {i2cget} -f -y {bus} 0x40 $r; done")
+        on_low, on_high, off_low, off_high = (int(word, 16) for word in text.split())
+        on, off = on_high << 8 | on_low, off_high << 8 | off_low
+        found.append(0 if off & FULL_OFF else (off - on) % STEPS)
+    return tuple(found)
 
 
 def config(*, scene, driver="sysfs-pwm", head="", follow=False, tilt="", slew=360, camera=None):
@@ -142,17 +159,7 @@ class ServoStage:
         self.guest.check(f"echo pull-{'up' if up else 'down'} > {self.lines}/sim_gpio{line}/pull")
 
     def pulses(self):
-        """\\return  for pan and tilt: steps that the chip's registers keep the output high, 0 when it is off"""
-        found = []
-        for channel in (PAN, TILT):
-            first = LED0_ON + BYTES_PER_CHANNEL * channel
-            text = self.guest.check(
-                f"for r in {' '.join(hex(first + i) for i in range(4))}; do i2cget -f -y {self.bus} 0x40 $r; done"
-            )
-            on_low, on_high, off_low, off_high = (int(word, 16) for word in text.split())
-            on, off = on_high << 8 | on_low, off_high << 8 | off_low
-            found.append(0 if off & FULL_OFF else (off - on) % STEPS)
-        return tuple(found)
+        return outputs_of(self.guest, self.bus)
 
     def aim(self, pan_deg, tilt_deg):
         return self.guest.run(f"ninedot aim --pan-deg {pan_deg} --tilt-deg {tilt_deg}")
@@ -318,6 +325,7 @@ class ServoStage:
         try:
             with service:
                 service.wait_for(lambda registers: registers.valid, "a valid pose")
+                self.aim(*LEFT_AT_DEG)
                 active = self.value(POWER)
                 text = self.guest.check(
                     f"""before=$(cut -d' ' -f1 /proc/uptime); killall -KILL ninedotd
@@ -333,6 +341,13 @@ class ServoStage:
             active == 1 and text[0] == "0" and took < 1,
             f"the line is inactive {took:.2f} s after SIGKILL (resolution 0.01 s)",
         )
+        left = self.pulses()
+        self.stage.ok(
+            "pwm-after-kill",
+            left == tuple(steps_of(1500 + 10 * angle) for angle in LEFT_AT_DEG),
+            f"sent to {LEFT_AT_DEG} deg before: the chip goes on with {left} steps and nobody to tell it",
+        )
+        self.goes_on()
         with GuestService(self.guest, self.config(scene=LANDMARK)) as again:
             again.wait_for(lambda registers: registers.valid, "a valid pose")
             self.aim(-20, 10)
@@ -341,6 +356,44 @@ class ServoStage:
                 self.pulses() == (steps_of(1300), steps_of(1600)) and self.value(POWER) == 1,
                 "starts although the killed one left its PWM channels behind, and moves the head",
             )
+
+    def goes_on(self):
+        """From where the killed one left the head, at the speed that is configured."""
+        self.trace.start("pwm/pwm_apply")
+        with GuestService(self.guest, self.config(scene=LANDMARK, slew=RAMP_DEG_PER_S)) as service:
+            service.wait_for(lambda registers: self.head_of(service)[:2] == (5, 0), "the head at neutral", 30)
+            ways = self.traced_ways()
+        # The kernel says nothing of a pulse that is set once more: the first to be told is the first step from there.
+        first_us, last_us = (sorted(way[at][1] for way in ways.values()) for at in (0, -1))
+        left_us = sorted(1500 + 10 * angle for angle in LEFT_AT_DEG)
+        # In degrees beyond what the time since the pulse before, or since the first one, allows.
+        ahead_deg = max(
+            (
+                abs(us - from_us) / 10 - RAMP_DEG_PER_S * (at_s - from_s)
+                for way in ways.values()
+                for before, (at_s, us) in zip(way, way[1:])
+                for from_s, from_us in (before, way[0])
+            ),
+            default=math.nan,
+        )
+        self.stage.ok(
+            "ramp-after-kill",
+            len(first_us) == 2
+            and all(abs(first - left) / 10 < RAMP_AHEAD_DEG for first, left in zip(first_us, left_us))
+            and last_us == [1500, 1550]
+            and ahead_deg < RAMP_AHEAD_DEG,
+            f"left at {left_us} us: the first pulses {first_us}, the last ones {last_us}, {sum(map(len, ways.values()))} in all; "
+            f"no more than {ahead_deg:.2f} deg ahead of {RAMP_DEG_PER_S} deg/s",
+        )
+
+    def traced_ways(self):
+        """\\return  for each channel that runs its pulses as they were set: (time [s], width [us])"""
+        ways = {}
+        for seconds, channel, duty_ns in re.findall(
+            r" (\d+\.\d+): pwm_apply: (\S+): period=\d+ duty_cycle=(\d+) .*enabled=1", self.trace.stop()
+        ):
+            ways.setdefault(channel, []).append((float(seconds), int(duty_ns) / 1000))
+        return ways
 
     def following(self):
         """The picture does not turn with the head here, so it goes on until its limit."""
