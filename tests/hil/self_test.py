@@ -18,7 +18,7 @@ from guest import GuestFailed
 from png_grey import read_png_grey
 from registers import DifferenceFromRow, Registers, as_float32, rotation_vector_deg
 from tracing import Frame
-from vimc_facts import CONTROLS, LINE_US, furthest_from_middle, is_switched_on, sensors_listed
+from vimc_facts import CONTROLS, LINE_US, furthest_from_middle, is_switched_on, lines_of_stamps, sensors_listed
 
 ROW = dict(
     x_mm="711.123456",
@@ -234,6 +234,11 @@ class Sensors(unittest.TestCase):
         self.assertGreater(furthest_from_middle(given, given), 1e6)
         self.assertEqual(furthest_from_middle([], given), math.inf)
         self.assertEqual(furthest_from_middle(right, []), math.inf)
+
+    def test_a_stamp_says_which_exposure_it_was_reckoned_with(self):
+        given = [Frame(int(1e9 + 50e6 * i), i, int(1.001e9 + 50e6 * i)) for i in range(3)]
+        stamps = [frame.stamp_ns - lines * LINE_US * 1000 / 2 for frame, lines in zip(given, (654, 653, 100))]
+        self.assertEqual(lines_of_stamps(stamps, given), ([654, 653, 100], [frame.at_ns for frame in given]))
 
     def test_a_link_that_is_off_is_not_on(self):
         self.assertTrue(is_switched_on('\tpad0: Source\n\t\t-> "Raw Capture 1":0 [ENABLED]\n'))

@@ -18,6 +18,7 @@ from vimc_facts import (
     RATE_HZ,
     WIDTH,
     furthest_from_middle,
+    lines_of_stamps,
     is_switched_on,
     sensors_listed,
 )
@@ -33,12 +34,15 @@ CHECKS = SMOKE_CHECKS + (
     "link-refused",
     "busy",
     "link-broken",
+    "changed-live",
     "sensor-gone",
     "ends",
 )
 
 UNBIND, BIND = "/sys/bus/platform/drivers/vimc/unbind", "/sys/bus/platform/drivers/vimc/bind"
 LINK = "'\"Sensor B\":0 -> \"Raw Capture 1\":0 [{}]'"
+TAP = "/tmp/tap"
+CHANGED_LINES, NOTICED_WITHIN_S = 100, 1.0  # docs/cameras.md says 0.25 s; an emulated processor is late
 ASKED = f"exposure_us = {EXPOSURE_US}\ngain = {GAIN}"
 
 
@@ -226,8 +230,35 @@ class SensorsStage:
             f"status {status}: {text.splitlines()[-1]}",
         )
 
+    def changed_live(self):
+        """Another program changes the exposure under way: the stamps, which lie half of it before the driver's, follow."""
+        self.trace.start("v4l2/v4l2_dqbuf")
+        self.guest.check(
+            f"""rm -rf /tmp/live; ninedot tap --path {TAP} --record /tmp/live --frames 60 > /tmp/live.log 2>&1 &
+            for _ in $(seq 300); do [ $(ls /tmp/live/frames 2> /dev/null | wc -l) -ge 10 ] && break; sleep 0.1; done
+            echo changed > /sys/kernel/tracing/trace_marker
+            v4l2-ctl -d {self.node('Sensor B')} --set-ctrl exposure={CHANGED_LINES}; wait""",
+            120,
+        )
+        trace = self.trace.stop()
+        changed_ns = round(float(re.search(r" (\d+\.\d+): tracing_mark_write: changed", trace)[1]) * 1e9)
+        given = frames_of(trace, int(self.node("Raw Capture 1")[len("/dev/video") :]))
+        stamps = [int(row["timestamp_ns"]) for row in csv_rows(self.guest.check("cat /tmp/live/frames.csv"))]
+        lines, seen_ns = lines_of_stamps(stamps, given)
+        before = [at for at, count in zip(seen_ns, lines) if count == LINES]
+        late_s = (max(before, default=0) - changed_ns) / 1e9
+        self.stage.ok(
+            "changed-live",
+            set(lines) == {LINES, CHANGED_LINES}
+            and lines == sorted(lines, reverse=True)
+            and late_s < NOTICED_WITHIN_S
+            and self.controls()["exposure"] == CHANGED_LINES,
+            f"exposure of {LINES} lines changed to {CHANGED_LINES} under way: {len(before)} of {len(lines)} stamps by the old one, "
+            f"the last of them {late_s:.2f} s after the change",
+        )
+
     def service(self):
-        service = GuestService(self.guest, self.config("sensor:Sensor B"))
+        service = GuestService(self.guest, self.config("sensor:Sensor B", extra=f'[tap]\nenabled = true\npath = "{TAP}"'))
         self.guest.check(f"media-ctl -l {LINK.format(0)}")
         self.guest.check(f"v4l2-ctl -d {self.node('Sensor B')} -c vertical_blanking=22,exposure=100,analogue_gain=16")
         with service:
@@ -239,6 +270,7 @@ class SensorsStage:
                 got == CONTROLS and is_switched_on(graph),
                 f"link off and controls changed before the start: on again, {got}",
             )
+            self.changed_live()
             before = service.read()
             self.guest.check(f"echo vimc.0 > {UNBIND}", 60)
             _, lost_s = service.wait_for(lambda registers: registers.reason == REASON_CAMERA_LOST, "unbound: camera lost")

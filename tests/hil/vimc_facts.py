@@ -25,6 +25,16 @@ def furthest_from_middle(stamps_ns, given_ns):
     return max((min((abs(stamp + half_ns - end) for end in given_ns), default=math.inf) for stamp in stamps_ns), default=math.inf)
 
 
+def lines_of_stamps(stamps_ns, given):
+    """\\return  (for each stamp the exposure that it was reckoned with [lines], when the driver gave that frame away [ns])"""
+    lines, at_ns = [], []
+    for stamp in stamps_ns:
+        frame = min(given, key=lambda frame: abs(frame.stamp_ns - stamp))
+        lines.append(round(2 * (frame.stamp_ns - stamp) / 1000 / LINE_US))
+        at_ns.append(frame.at_ns)
+    return lines, at_ns
+
+
 def is_switched_on(topology):
     """Of `media-ctl -p`: the link from Sensor B to its node."""
     return re.search(r'-> "Raw Capture 1":0 \[ENABLED\]', topology) is not None
