@@ -24,7 +24,7 @@ source "$source_dir/tests/hil/guest_kernel.sh"
 
 # What the disk needs; ext4 asks for its checksums by name, which no list of dependencies says.
 disk_modules=(virtio_pci virtio_blk crc32c_generic ext4)
-modules=("${disk_modules[@]}" vivid virtio_console virtio_net xhci_pci usbserial ftdi_sio)
+modules=("${disk_modules[@]}" vivid vimc virtio_console virtio_net xhci_pci usbserial ftdi_sio)
 # dbus is how `systemctl` and udev's own tools speak with systemd on every board; v4l2-ctl feeds vivid; busybox is the host's door.
 needed=(systemd-sysv udev dbus kmod busybox-static v4l-utils)
 
