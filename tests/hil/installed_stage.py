@@ -286,7 +286,7 @@ class Installed:
         self.stage.ok(
             "udev-postinst",
             group == "gpio 260" and status == 0 and text.split() == ["1500000", "1"],
-            f"after an installation beside the chip: {group}; exported, set and started as user ninedot: {text or status}",
+            f"after an installation beside the chip: {group}; exported, set and started as user ninedot: {' '.join(text.split()) or status}",
         )
 
     def as_the_service(self, command):
