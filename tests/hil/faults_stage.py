@@ -108,8 +108,7 @@ def stamps_cross(boundary_ns):
 
 
 def gives_less_than(quiet):
-    """
-    :param quiet: the share that the driver gave away before. Far more has to be missing than what a busy host makes the guest miss."""
+    """:param quiet: the share that the driver gave away before. Far more has to be missing than what a busy host makes the guest miss."""
 
     def witness(frames):
         given = share_given(frames)

@@ -10,7 +10,7 @@ def read_png_grey(path):
 
 
 def parse_png_grey(data, path="picture"):
-    """\return  as read_png_grey"""
+    """\\return  as read_png_grey"""
     if data[:8] != b"\x89PNG\r\n\x1a\n":
         raise ValueError(f"{path}: no PNG file")
     header, packed, position = None, b"", 8

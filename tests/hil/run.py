@@ -126,7 +126,7 @@ def report(stages):
 
 
 def stages_for(asked, smoke):
-    """\return  of each stage that is asked for, as STAGE or STAGE.CHECK, whether its smoke part is enough"""
+    """\\return  of each stage that is asked for, as STAGE or STAGE.CHECK, whether its smoke part is enough"""
     enough = {}
     for argument in asked:
         name, _, check = argument.partition(".")

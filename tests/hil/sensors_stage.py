@@ -18,8 +18,8 @@ from vimc_facts import (
     RATE_HZ,
     WIDTH,
     furthest_from_middle,
-    lines_of_stamps,
     is_switched_on,
+    lines_of_stamps,
     sensors_listed,
 )
 

@@ -80,13 +80,18 @@ def i2c_steps_of(pulse_us):
     return math.floor(pulse_us * 25 / 122 + 0.5)
 
 
+def registers_of(guest, bus, addresses, i2cget="i2cget"):
+    """\\return  the chip's bytes at these addresses"""
+    text = guest.check(f"for r in {' '.join(map(hex, addresses))}; do {i2cget} -f -y {bus} 0x40 $r; done")
+    return [int(word, 16) for word in text.split()]
+
+
 def outputs_of(guest, bus, i2cget="i2cget"):
     """\\return  for pan and tilt: steps that the chip's registers keep the output high, 0 when it is off"""
     found = []
     for channel in (PAN, TILT):
         first = LED0_ON + BYTES_PER_CHANNEL * channel
-        text = guest.check(f"for r in {' '.join(hex(first + i) for i in range(4))}; do {i2cget} -f -y {bus} 0x40 $r; done")
-        on_low, on_high, off_low, off_high = (int(word, 16) for word in text.split())
+        on_low, on_high, off_low, off_high = registers_of(guest, bus, range(first, first + BYTES_PER_CHANNEL), i2cget)
         on, off = on_high << 8 | on_low, off_high << 8 | off_low
         found.append(0 if off & FULL_OFF else (off - on) % STEPS)
     return tuple(found)
@@ -455,7 +460,7 @@ class ServoStage:
             )
 
     def traced_widths(self, trace):
-        """\return  [us] of the whole pulses on the two lines"""
+        """\\return  [us] of the whole pulses on the two lines"""
         widths = {}
         for axis in (PAN_LINE, TILT_LINE):
             line = self.first_line + axis
@@ -551,7 +556,7 @@ class ServoStage:
             )
 
     def traced_pulses(self, trace):
-        """\return  by channel the widths [steps] that were written, and how often the chip was told to sleep or to switch one off"""
+        """\\return  by channel the widths [steps] that were written, and how often the chip was told to sleep or to switch one off"""
         pulses, paused = {PAN: [], TILT: []}, 0
         # The kernel shows a block with its length before it.
         for register, kind, text in re.findall(r"smbus_write: i2c-\d+ a=040 f=\w+ c=(\w+) (\w+) l=\d+ \[([\w-]*)\]", trace):
@@ -566,13 +571,10 @@ class ServoStage:
         return pulses, paused
 
     def registers(self, *addresses):
-        text = self.guest.check(
-            f"for r in {' '.join(hex(address) for address in addresses)}; do i2cget -f -y {self.bus} 0x40 $r; done"
-        )
-        return [int(word, 16) for word in text.split()]
+        return registers_of(self.guest, self.bus, addresses)
 
     def chip_state(self):
-        """\return  for pan and tilt LEDn_OFF less LEDn_ON, FULL_OFF where that bit is set; and the level of the OE pin"""
+        """\\return  for pan and tilt LEDn_OFF less LEDn_ON, FULL_OFF where that bit is set; and the level of the OE pin"""
         state = []
         for channel in (PAN, TILT):
             first = LED0_ON + BYTES_PER_CHANNEL * channel
@@ -592,7 +594,7 @@ class ServoStage:
         )
 
     def wait_for_state(self, wanted, within_s=10.0):
-        """\return  seconds, rounded; None: never"""
+        """\\return  seconds, rounded; None: never"""
         started = time.monotonic()
         while time.monotonic() - started < within_s:
             if self.chip_state() == wanted:
