@@ -1,6 +1,6 @@
-// One thread decodes. With kEveryFrame it puts the frames into a queue, in order, and waits for a free buffer. With
-// kRealTime it works ahead, sleeps until the frame's turn and replaces what nobody took. Buffers go round through
-// atomics, and both sides sleep on bells: nobody holds a lock.
+// One thread decodes. With kEveryFrame and kAsTaken it puts the frames into a queue, in order, and waits for a free
+// buffer. With kRealTime it works ahead, sleeps until the frame's turn and replaces what nobody took. Buffers go round
+// through atomics, and both sides sleep on bells: nobody holds a lock.
 #include "drivers/recording/recording_source.h"
 
 #include <pthread.h>
@@ -22,6 +22,7 @@ RecordingSource::RecordingSource(const std::string& path, const RecordingOptions
   if (!preload())
     for (Buffer& buffer : buffers_)
       buffer.own.bytes = std::make_unique_for_overwrite<std::uint8_t[]>(3 * size_.pixel_count());
+  if (needs_no_thread()) return;
   // Signals are for the main thread, which waits for them.
   sigset_t all, before;
   sigfillset(&all);
@@ -32,12 +33,14 @@ RecordingSource::RecordingSource(const std::string& path, const RecordingOptions
 }
 
 RecordingSource::~RecordingSource() {
+  if (!decoder_.joinable()) return;
   stop_.store(true);
   changed_.ring();
   decoder_.join();
 }
 
 Result<FrameLease> RecordingSource::next(MonoTime deadline) noexcept {
+  if (needs_no_thread()) return lend_preloaded();
   if (!started_at()) {
     started_at_ns_.store(to_ns(mono_now()), std::memory_order_release);
     changed_.ring();
@@ -57,6 +60,16 @@ std::optional<NewestWins::Taken> RecordingSource::take_ready() noexcept {
   return NewestWins::Taken{queue_[unqueued_++ % kBufferCount], {}};
 }
 
+Result<FrameLease> RecordingSource::lend_preloaded() noexcept {
+  label(buffers_[0], turn_, turns_pass_);
+  buffers_[0].picture = &preloaded_[turn_];
+  if (++turn_ == preloaded_.size()) {
+    turn_ = 0;
+    ++turns_pass_;
+  }
+  return lend({0, {}});
+}
+
 Result<FrameLease> RecordingSource::lend(const NewestWins::Taken& taken) noexcept {
   const Buffer& ready = buffers_[taken.buffer];
   const Picture& picture = *ready.picture;
@@ -73,9 +86,10 @@ Result<FrameLease> RecordingSource::lend(const NewestWins::Taken& taken) noexcep
   lease.frame.luma = ImageView{picture.bytes.get(), size_.width_px, size_.height_px, size_.width_px};
   lease.frame.chroma = *picture.chroma;
   lease.frame.number = ready.number;
-  lease.frame.set_exposure(ready.exposed_at);
+  const MonoTime exposed_at = options_.pace == RecordingPace::kAsTaken ? mono_now() : ready.exposed_at;
+  lease.frame.set_exposure(exposed_at);
   lease.frame.head = HeadAngles{ready.frame->pan_rad, ready.frame->tilt_rad};
-  lease.frame.head_at = ready.exposed_at;
+  lease.frame.head_at = exposed_at;
   if (ready.frame->zoom) lease.frame.zoom = *ready.frame->zoom;
   lease.dropped_before = taken.unseen.skipped;
   if (is_preloaded) give_back(taken.buffer);
@@ -189,9 +203,7 @@ bool RecordingSource::produce(std::size_t i, std::uint64_t pass) noexcept {
     return true;
   }
   Buffer& buffer = buffers_[place];
-  buffer.frame = &index_.frames[i];
-  buffer.number = buffer.frame->number + pass * (index_.frames.back().number + 1);
-  buffer.exposed_at = MonoTime(time_of(i, pass));
+  label(buffer, i, pass);
   if (preloaded_.empty()) buffer.own.chroma = decode(i, buffer.own.bytes.get());
   buffer.picture = preloaded_.empty() ? &buffer.own : &preloaded_[i];
   if (is_real_time()) {
@@ -200,6 +212,13 @@ bool RecordingSource::produce(std::size_t i, std::uint64_t pass) noexcept {
   }
   put_ready(place);
   return true;
+}
+
+/// Which frame it is, and when it was recorded.
+void RecordingSource::label(Buffer& buffer, std::size_t i, std::uint64_t pass) const noexcept {
+  buffer.frame = &index_.frames[i];
+  buffer.number = buffer.frame->number + pass * (index_.frames.back().number + 1);
+  buffer.exposed_at = MonoTime(time_of(i, pass));
 }
 
 /// A buffer to decode into, if need be that of a frame that nobody took in time. kNone: the caller holds them all.

@@ -19,6 +19,7 @@ namespace ninedot {
 enum class RecordingPace {
   kEveryFrame,  ///< as fast as they are taken, each exactly once and in order: for replays
   kRealTime,    ///< like a camera: each at its time, the newest wins, the others are counted
+  kAsTaken,     ///< as kEveryFrame, and as from a camera: exposed at the instant at which it is taken
 };
 
 struct RecordingOptions {
@@ -33,14 +34,15 @@ struct RecordingOptions {
 };
 
 /// Frame::exposed_at() is, with kEveryFrame, the recorded time; with kRealTime the instant at which the frame's turn
-/// came (the clock starts at the first call of `next`). How long the exposure was, gain, focus and zoom are not
-/// recorded.
+/// came (the clock starts at the first call of `next`), with kAsTaken that of `next`. How long the exposure was, gain,
+/// focus and zoom are not recorded.
 ///
 /// A picture that is missing, damaged or of another size takes its place in the sequence as an error; asking again
 /// gives the next frame. Memory: everything of ours is allocated by the constructor; libpng and libturbojpeg allocate
-/// in the decoding thread, never in the caller's. At most kBufferCount - 1 leases may be held at a time without
-/// stopping the decoder. Threads: see each method; leases may be given back from any thread. Neither that nor `next`
-/// waits for a lock: the decoding thread may be kept from running anywhere.
+/// in the decoding thread, never in the caller's. Preloaded pictures with kAsTaken need no such thread. At most
+/// kBufferCount - 1 leases may be held at a time without stopping the decoder. Threads: see each method; leases may be
+/// given back from any thread. Neither that nor `next` waits for a lock: the decoding thread may be kept from running
+/// anywhere.
 class RecordingSource final : public FrameSource, private FrameOwner {
  public:
   static constexpr std::size_t kBufferCount = 4;  ///< one with the caller, one ready, one being decoded, one to spare
@@ -82,11 +84,13 @@ class RecordingSource final : public FrameSource, private FrameOwner {
 
   void give_back(std::uint32_t buffer) noexcept override;
   Result<FrameLease> lend(const NewestWins::Taken& taken) noexcept;
+  Result<FrameLease> lend_preloaded() noexcept;
   std::optional<NewestWins::Taken> take_ready() noexcept;
   bool preload();
   Result<ChromaView> decode(std::size_t i, std::uint8_t* bytes) noexcept;
   void run() noexcept;
   bool produce(std::size_t i, std::uint64_t pass) noexcept;
+  void label(Buffer& buffer, std::size_t i, std::uint64_t pass) const noexcept;
   std::uint32_t take_free() noexcept;
   void put_ready(std::uint32_t buffer) noexcept;
   template <typename Condition>
@@ -94,6 +98,7 @@ class RecordingSource final : public FrameSource, private FrameOwner {
   template <typename Condition>
   bool wait_for_turn(std::chrono::nanoseconds since_start, Condition is_enough) noexcept;
   bool is_real_time() const noexcept { return options_.pace == RecordingPace::kRealTime; }
+  bool needs_no_thread() const noexcept { return options_.pace == RecordingPace::kAsTaken && !preloaded_.empty(); }
   bool has_free() const noexcept { return free_.load(std::memory_order_acquire) != 0; }
   std::optional<MonoTime> started_at() const noexcept;
   void set_times();
@@ -106,6 +111,8 @@ class RecordingSource final : public FrameSource, private FrameOwner {
   std::vector<std::chrono::nanoseconds> times_;  ///< of each frame
   std::chrono::nanoseconds pass_duration_{};
   std::vector<Picture> preloaded_;  ///< empty = not preloaded
+  std::size_t turn_ = 0;            ///< preloaded and kAsTaken: whose turn it is
+  std::uint64_t turns_pass_ = 0;
   std::array<char, 512> last_failure_{};
 
   // Handed over by the atomics below: a buffer belongs to the decoding thread while it is free and being filled, then
@@ -113,7 +120,7 @@ class RecordingSource final : public FrameSource, private FrameOwner {
   std::array<Buffer, kBufferCount> buffers_;
   std::atomic<std::uint32_t> free_{(1U << kBufferCount) - 1};  ///< a bit for each buffer
   NewestWins newest_;                                          ///< with kRealTime
-  std::array<std::uint32_t, kBufferCount> queue_{};            ///< with kEveryFrame; as long as there are buffers
+  std::array<std::uint32_t, kBufferCount> queue_{};            ///< otherwise; as long as there are buffers
   std::atomic<std::uint32_t> queued_{0};                       ///< how many were ever put into it
   std::uint32_t unqueued_ = 0;                                 ///< how many were taken out; the caller of `next`
   std::uint32_t dropped_ = 0;                                  ///< since the newest ready frame; the decoding thread

@@ -33,6 +33,7 @@ struct CameraConfig {
   int stall_frames = 10;        ///< `stall_frames`: 3..1000 frame periods without a frame: the camera is lost
   bool wait_for_device = true;  ///< `wait_for_device`: of older files; `ninedotd` waits whatever it says
   bool loop = true;             ///< `loop`: a recording starts again at its end
+  bool every_frame = false;  ///< `every_frame`: a recording's frames one after another, as fast as they are processed
 };
 
 /// [landmark]: the geometry that all landmarks share

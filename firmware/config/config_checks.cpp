@@ -52,8 +52,11 @@ void check_geometry(const LandmarkConfig& landmark, ConfigProblems& problems) {
                  "the centre dot must be larger than the others: that is how it is recognised");
 }
 
-/// What belongs to a sensor's own numbers says nothing of pictures that the camera has made of them.
 void check_camera(const CameraConfig& camera, ConfigProblems& problems) {
+  if (camera.every_frame && camera.source != "recording")
+    problems.add(problems.line_of("camera.every_frame"),
+                 fmt::format("'every_frame' is of recordings, and source is {}: take it out", camera.source));
+  // What belongs to a sensor's own numbers says nothing of pictures that the camera has made of them.
   const std::string& format = camera.pixel_format;
   if (format == "auto" || format.find("GG") != std::string::npos || format.find("RBG") != std::string::npos ||
       format.find("BRG") != std::string::npos)

@@ -91,6 +91,12 @@ const std::array kKeysUpToTheHead{
         "the recording's own",
         SLOT(camera.calibration)},
     ConfigKey{"camera", "loop", "", 0, 0, "", "a recording starts again at its end", SLOT(camera.loop)},
+    ConfigKey{
+        "camera", "every_frame", "", 0, 0, "",
+        "a recording as a load: whatever `rate_hz` says, each frame comes as soon as the one before is processed, "
+        "and none is dropped; it takes a whole processor, and `ninedot status` shows how many frames a second this "
+        "board can process",
+        SLOT(camera.every_frame)},
 
     ConfigKey{"landmark", "ring_radius_mm", "mm", kMinLength_mm, kMaxLength_mm, "",
               "radius of the circle through the middles of P1..P8", SLOT(landmark.ring_radius_mm)},

@@ -25,7 +25,7 @@ OpenedSource open_recording(const CameraConfig& config, FrameDemand demand) {
   RecordingOptions options;
   options.size = {config.width_px, config.height_px};
   if (demand == FrameDemand::kNewest) {
-    options.pace = RecordingPace::kRealTime;
+    options.pace = config.every_frame ? RecordingPace::kAsTaken : RecordingPace::kRealTime;
     options.rate_hz = config.rate_hz;
     options.loop = config.loop;
   }

@@ -322,6 +322,8 @@ TEST(Config, RefusesAddressesAndRatesThatAreNone) {
       error_of("[modbus.rtu]\nbaud = 9601"),
       "t.toml:2: 'baud' is 9601; write one of 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, "
       "500000, 576000, 921600");
+  EXPECT_EQ(error_of("[camera]\nsource = \"v4l2\"\nevery_frame = true"),
+            "t.toml:3: 'every_frame' is of recordings, and source is v4l2: take it out");
   EXPECT_EQ(error_of("[camera]\npixel_format = \"GREY\"\nblack_level = 64"),
             "t.toml:3: 'black_level' is of Bayer formats, and pixel_format is GREY: take it out");
   for (const char* const format : {"auto", "RGGB", "BGGR12", "GRBG10P", "GBRG10"})

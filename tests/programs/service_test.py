@@ -337,7 +337,7 @@ class Memory(unittest.TestCase):
     def test_does_not_grow_between_1000_and_20000_frames(self):
         last = int(os.environ.get("NINEDOT_MEMORY_FRAMES", "20000"))
         port = free_port()
-        config = config_text(port=port, rate_hz=1000.0).replace("tracking = false", "tracking = true")
+        config = config_text(port=port).replace("tracking = false", "tracking = true").replace("[camera]\n", "[camera]\nevery_frame = true\n")
         with Service(config + "[service]\nlock_memory = false\n") as service, Client(port=port) as client:
             def frames(registers):
                 return registers[61] << 16 | registers[62]
@@ -350,6 +350,9 @@ class Memory(unittest.TestCase):
                 resident[wanted] = resident_kb(service.process)
             print(f"resident: {resident} kB", file=sys.stderr)
             self.assertLessEqual(resident[last], resident[1000] + 128, "kB; a page per hundred frames would be 760")
+            registers = client.read()
+            self.assertEqual(registers[63] << 16 | registers[64], 0, "with every_frame none is dropped")
+            self.assertGreater(registers[60] / 10, 100, "as fast as they are processed, not 35 a second")
             self.assertEqual(service.end()[0], 0)
 
 

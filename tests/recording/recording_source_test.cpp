@@ -132,6 +132,37 @@ void write_colours(const TemporaryRecording& recording) {
   recording.write("frames/000002.ppm", ppm({'\x1E', '\x1E', '\xC8'}));
 }
 
+class RecordingAsTaken : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(RecordingAsTaken, GivesEveryFrameOnceAtTheInstantAtWhichItIsTakenWhateverTheRate) {
+  const TemporaryRecording recording(5);
+  RecordingSource source(recording.path(),
+                         {.pace = RecordingPace::kAsTaken, .rate_hz = 0.1, .loop = true, .preload_bytes = GetParam()});
+  for (std::uint64_t i = 0; i < 23; ++i) {
+    if (i % 5 == 0) std::this_thread::sleep_for(10ms);
+    const MonoTime asked_at = mono_now();
+    const Result<FrameLease> frame = source.next(soon());
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->frame.number, i);
+    EXPECT_EQ(frame->frame.luma.at(1, 1), i % 5);
+    EXPECT_EQ(frame->dropped_before, 0U);
+    EXPECT_GE(frame->frame.exposed_at(), asked_at);
+    EXPECT_LE(frame->frame.exposed_at(), mono_now());
+    EXPECT_EQ(frame->frame.head_at, frame->frame.exposed_at());
+  }
+}
+INSTANTIATE_TEST_SUITE_P(DecodedOnceAndDecodedEachTime, RecordingAsTaken,
+                         testing::Values(std::size_t{1} << 20U, std::size_t{0}));
+
+TEST(RecordingSource, EndsAlsoAsTaken) {
+  const TemporaryRecording recording(3);
+  RecordingSource source(recording.path(), {.pace = RecordingPace::kAsTaken});
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(source.next(soon()));
+  const Result<FrameLease> end = source.next(soon());
+  ASSERT_FALSE(end);
+  EXPECT_EQ(end.error().code, Errc::kEndOfStream);
+}
+
 class ColouredRecording : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(ColouredRecording, LendsTheColourOfThoseFramesThatHaveOne) {

@@ -1,5 +1,5 @@
 """What the soak plays: a small landmark, looked at from two places, and between them a longer look at a wall without one, as a vehicle drives from one
-to the next. Lost and found twice a turn; and the pictures are so small that this machine takes thousands of them a second."""
+to the next. Lost and found twice a turn; and the pictures are so small that thousands of them are processed in a second."""
 
 import pathlib
 import sys
@@ -8,7 +8,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "hil"))
 from png_grey import read_png_grey
 
 SIZE_PX = 48
-STAYS, EMPTY = 80, 120  # frames
+STAYS, EMPTY = 80, 120  # frames, of each look
 # Picture and the middle of what is cut out of it.
 PARTS = (
     ("000000.png", (309, 238), STAYS),
@@ -16,6 +16,8 @@ PARTS = (
     ("000000.png", (305, 235), STAYS),
     ("000000.png", (560, 60), EMPTY),
 )
+
+SHOWN, FRAMES = 2 * STAYS, 2 * (STAYS + EMPTY)  # in one pass: frames that show it, and all
 
 
 def make(source, folder):
