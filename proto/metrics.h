@@ -43,6 +43,9 @@ enum class MetricId : std::uint8_t {
   kSerialLosses,
   kSerialOpen,
   kHeadLosses,
+  kServoSupply,
+  kServoTemperature,
+  kServoLoad,
   kPulseErrorP99,
   kPulseErrorMax,
   kRunsCut,
@@ -67,7 +70,7 @@ struct Metric {
   std::string_view
       words;  ///< there: "{}" is the value, "(s)" an s unless that is 1; a flag: "when set|when not"; empty: not shown
   int decimals;       ///< there
-  bool always_shown;  ///< false: only while it is not 0
+  bool always_shown;  ///< false: only while it is known and not 0
   std::string_view meaning;
 };
 
@@ -101,6 +104,9 @@ inline constexpr auto kMetrics = [] {
   {Id::kSerialLosses,      "serial_losses",       "",     kCounter, 98,      kU16,       1,   "Modbus RTU",     "Modbus",  "serial line LOST {} times", 0, false, "the serial device vanished"},
   {Id::kSerialOpen,        "serial_open",         "",     kFlag,    1U << 2, kBits16,    1,   "Modbus RTU",     "Modbus",  "serial line open|", 0, true, "the serial line is configured and open"},
   {Id::kHeadLosses,        "head_losses",         "",     kCounter, 99,      kU16,       1,   "head",           "servos",  "head LOST {} times", 0, false, "the head fell silent, or its line vanished"},
+  {Id::kServoSupply,       "servo_supply",        "V",    kGauge,   159,     kI16,       0.01,"head",           "servos",  "{} V", 1, false, "smart servos: the lower of both supplies; -32768 where unknown, or while they do not answer"},
+  {Id::kServoTemperature,  "servo_temperature",   "degC", kGauge,   160,     kI16,       0.1, "head",           "servos",  "{} degC", 0, false, "the same: the warmer servo"},
+  {Id::kServoLoad,         "servo_load",          "%",    kGauge,   161,     kI16,       0.1, "head",           "servos",  "load {} %", 0, false, "the same: the harder working one, of the largest torque that it can give"},
   {Id::kPulseErrorP99,     "pulse_error_p99",     "us",   kGauge,   86,      kU16,       1,   "head",           "servos",  "pulses off by {} us (p99)", 0, false, "software-made servo pulses: error of their width, 99 %; 0 where hardware makes them"},
   {Id::kPulseErrorMax,     "pulse_error_max",     "us",   kGauge,   87,      kU16,       1,   "head",           "servos",  "max {}", 0, false, "the same, largest"},
   {Id::kRunsCut,           "runs_cut",            "",     kCounter, 108,     kCounter32, 1,   "detector",       "search",  "{} run(s) cut", 0, false, "rows of dark pixels that the search left out because its list was full"},

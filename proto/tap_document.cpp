@@ -63,7 +63,7 @@ struct TypeOf<std::array<T, N>> : TypeOf<T> {};
 
 constexpr TapField kTapHeaderFields[] = {
     FIELD(TapHeader, magic, "`NINETAP` and a zero"),
-    FIELD(TapHeader, version, "of this layout: 2"),
+    FIELD(TapHeader, version, "of this layout: 3"),
     FIELD(TapHeader, byte_order, "0x01020304 as the writer's machine stores it"),
     FIELD(TapHeader, segment_bytes, "size of the file"),
     FIELD(TapHeader, frame_slots_offset, "first slot of frames"),

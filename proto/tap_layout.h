@@ -12,7 +12,7 @@
 namespace ninedot {
 
 inline constexpr std::array<char, 8> kTapMagic{'N', 'I', 'N', 'E', 'T', 'A', 'P', '\0'};
-inline constexpr std::uint32_t kTapVersion = 2;
+inline constexpr std::uint32_t kTapVersion = 3;
 inline constexpr std::uint32_t kTapByteOrder = 0x01020304;  ///< as the writer's machine stores it [1]
 /// A reader that has the newest slot in hand loses it when two more were published: two frame periods to copy it.
 inline constexpr std::uint32_t kTapSlots = 3;
@@ -27,7 +27,7 @@ inline constexpr std::size_t kTapDotCount = 9;         ///< P1..P9
 inline constexpr std::size_t kTapLandmarkCount = 16;   ///< landmarks in view, at most
 inline constexpr std::size_t kTapCandidateCount = 2;   ///< readings of a landmark, at most
 inline constexpr std::size_t kTapSpotCount = 256;      ///< dark spots of a search that found nothing, at most
-inline constexpr std::size_t kTapRegisterCount = 160;  ///< room for the map; TapService::register_count are used
+inline constexpr std::size_t kTapRegisterCount = 192;  ///< room for the map; TapService::register_count are used
 inline constexpr std::size_t kTapClientCount = 16;
 inline constexpr std::size_t kTapLogCount = 24;
 /// Latencies: bin i ends at kTapFirstBin_us * 2^(i/4); the last one takes all that is longer.

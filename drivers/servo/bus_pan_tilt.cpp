@@ -83,15 +83,8 @@ HeadState BusPanTilt::state() const noexcept {
   state.limited = limited_;
   state.failed = seen.failed;
   state.losses = seen.losses;
+  state.servos = seen.health;
   return state;
-}
-
-ServoHealth BusPanTilt::health() const noexcept {
-  ServoHealth health;
-  health.load_percent = load_percent_.load(std::memory_order_relaxed);
-  health.supply_V = supply_V_.load(std::memory_order_relaxed);
-  health.temperature_degC = temperature_degC_.load(std::memory_order_relaxed);
-  return health;
 }
 
 Result<void> BusPanTilt::obey(const Order& order) noexcept {
@@ -115,9 +108,7 @@ Result<void> BusPanTilt::look() noexcept {
   look_at_ = mono_now() + options_.look_interval;
   tells_position_ = reading.position.has_value();
   if (tells_position_) seen_.position = *reading.position;
-  load_percent_.store(static_cast<float>(reading.health.load_percent), std::memory_order_relaxed);
-  supply_V_.store(static_cast<float>(reading.health.supply_V), std::memory_order_relaxed);
-  temperature_degC_.store(static_cast<float>(reading.health.temperature_degC), std::memory_order_relaxed);
+  seen_.health = reading.health;
   return {};
 }
 
@@ -151,9 +142,8 @@ void BusPanTilt::run() noexcept {
     }
     seen_.failed = true;
     ++seen_.losses;
+    seen_.health = {};
     publish();
-    for (std::atomic<float>* value : {&load_percent_, &supply_V_, &temperature_degC_})
-      value->store(static_cast<float>(ServoHealth::kUnknown), std::memory_order_relaxed);
     bus_.reset();
     if (!reopen()) return;
   }

@@ -50,11 +50,9 @@ class BusPanTilt final : public PanTilt {
   void move_to(const HeadAngles& angles) noexcept override;
   /// The same: releases the servos, or lets them stay where they are.
   void stop() noexcept override;
-  /// Angles: as the servos report them, else as they were told last. Failed: the bus or a servo is lost.
+  /// Angles: as the servos report them, else as they were told last. Failed: the bus or a servo is lost. What the
+  /// servos tell: as read last, unknown while the bus is lost.
   HeadState state() const noexcept override;
-
-  /// As read last; NaN while the bus is lost. Threads: any.
-  ServoHealth health() const noexcept;
 
  private:
   struct Order {
@@ -68,6 +66,7 @@ class BusPanTilt final : public PanTilt {
     bool tells_position = false;
     bool failed = false;
     std::uint32_t losses = 0;
+    ServoHealth health;
   };
 
   void run() noexcept;
@@ -88,7 +87,6 @@ class BusPanTilt final : public PanTilt {
 
   Handoff<Order> orders_;
   mutable Handoff<Seen> seen_out_;
-  std::atomic<float> load_percent_{}, supply_V_{}, temperature_degC_{};
   std::atomic<bool> ends_{false};
 
   // Of the thread.

@@ -1,9 +1,9 @@
 #pragma once
 /// Two servos behind a bus, as BusPanTilt drives them: a PWM chip on I2C, or servos with a serial line.
-#include <limits>
 #include <optional>
 
 #include "base/result.h"
+#include "base/servo_health.h"
 
 namespace ninedot {
 
@@ -16,15 +16,6 @@ struct ServoTargets {
 /// For pan and tilt what was put out already, by a service that crashed; none: nothing.
 struct RunningTargets {
   std::optional<double> pan, tilt;  ///< [us] or [steps], as those of ServoTargets
-};
-
-/// What servos tell about themselves; NaN: they don't. Of both the worse.
-struct ServoHealth {
-  double load_percent = kUnknown;  ///< of the largest that the servo can give; its size, without a sign
-  double supply_V = kUnknown;      ///< [V] the lower of both
-  double temperature_degC = kUnknown;
-
-  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  ///< [1]
 };
 
 struct ServoReading {

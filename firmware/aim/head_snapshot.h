@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "aim/head_track.h"
+#include "base/servo_health.h"
 #include "base/zoom_stand.h"
 #include "report/report.h"
 
@@ -18,6 +19,7 @@ struct HeadSnapshot {
   std::uint32_t order = 0;                                  ///< AimOrder::number of the order that it follows
   OrderProgress progress = OrderProgress::kNone;            ///< of that order
   std::uint32_t losses = 0;                                 ///< HeadState::losses
+  ServoHealth servos;                                       ///< HeadState::servos
   std::optional<ZoomStand> zoom;                            ///< HeadState::zoom
   std::chrono::nanoseconds sweep{};  ///< how long the sweep of kSearch takes as a whole, from where it began
   std::chrono::nanoseconds pulse_error_p99{}, pulse_error_max{};

@@ -53,6 +53,7 @@ void HeadOutput::take(const Report& newest, bool is_new, MonoTime now) noexcept 
   snapshot.progress =
       arrival_.step(now, as_set_point(order), {state.angles, step.at_goal, limited, state.failed, inhibited});
   snapshot.losses = state.losses;
+  snapshot.servos = state.servos;
   snapshot.zoom = state.zoom;
   snapshot.pulse_error_p99 = state.pulse_error_p99;
   snapshot.pulse_error_max = state.pulse_error_max;

@@ -139,6 +139,9 @@ MetricValues frame_metrics(const Report& report, const Health& health, MonoTime 
   out[MetricId::kMemoryLocked] = health.memory_locked ? 1 : 0;
   out[MetricId::kTemperature] = health.temperature_degC;
   out[MetricId::kHeadLosses] = health.head_losses;
+  out[MetricId::kServoSupply] = health.servos.supply_V;
+  out[MetricId::kServoTemperature] = health.servos.temperature_degC;
+  out[MetricId::kServoLoad] = health.servos.load_percent;
   out[MetricId::kPulseErrorP99] = ms_of(health.pulse_error_p99) * 1e3;
   out[MetricId::kPulseErrorMax] = ms_of(health.pulse_error_max) * 1e3;
   const WorkCounts& work = report.frames.work;

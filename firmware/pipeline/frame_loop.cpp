@@ -137,6 +137,7 @@ void FrameLoop::publish_health(MonoTime now) noexcept {
   health_.frames_flagged = counters.flagged;
   if (head_ != nullptr) {
     health_.head_losses = head_->losses;
+    health_.servos = head_->servos;
     health_.pulse_error_p99 = head_->pulse_error_p99;
     health_.pulse_error_max = head_->pulse_error_max;
   }

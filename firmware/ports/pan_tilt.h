@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/head_angles.h"
+#include "base/servo_health.h"
 #include "base/zoom_stand.h"
 
 namespace ninedot {
@@ -19,6 +20,7 @@ struct HeadState {
   /// How far the widths of software-made pulses are off; 0 where hardware makes them.
   std::chrono::nanoseconds pulse_error_p99{}, pulse_error_max{};
   std::uint32_t losses = 0;       ///< how often the head fell silent or its line vanished
+  ServoHealth servos;             ///< what smart servos tell; unknown of others
   std::optional<ZoomStand> zoom;  ///< of the lens on it; none: on its way, not known, or the head has none
 };
 

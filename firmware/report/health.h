@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "base/mono_time.h"
+#include "base/servo_health.h"
 
 namespace ninedot {
 
@@ -17,6 +18,7 @@ struct Health {
   std::uint32_t frames_flagged = 0;  ///< marked as damaged by the camera itself; never lent to the frame loop
   std::uint32_t camera_restarts = 0;
   std::uint32_t head_losses = 0;  ///< how often the head fell silent or its line vanished
+  ServoHealth servos;             ///< what the head's smart servos tell
   bool has_latency = false;       ///< a frame has been processed: the four below mean something
   std::chrono::nanoseconds latency_median{}, latency_p99{}, latency_p999{}, latency_max{};
   std::chrono::nanoseconds pulse_error_p99{}, pulse_error_max{};  ///< of software-made servo pulses' widths, else 0

@@ -143,7 +143,7 @@ std::unique_ptr<PanTilt> open_smart_servos(const PanTiltConfig& config, const He
     return std::make_unique<SmartServos>(options, std::move(dialect));
   };
   auto head = std::make_unique<BusPanTilt>(open, bus_options(config, kSmartLookInterval), servo_axes(config), at);
-  const ServoHealth health = head->health();
+  const ServoHealth health = head->state().servos;
   description += fmt::format(", {:.1f} V, {:.0f} degC, load {:.0f} %", health.supply_V, health.temperature_degC,
                              health.load_percent);
   return head;

@@ -118,7 +118,8 @@ std::string metric_words(const RegisterReader& r, const Metric& metric) {
     const bool is_set = (r.integer(reg::kHealthFlags) & metric.address) != 0;
     return std::string(is_set ? metric.words.substr(0, bar) : metric.words.substr(bar + 1));
   }
-  if (!metric.always_shown && r.value(metric.address) == 0) return {};
+  const double value = r.value(metric.address);
+  if (!metric.always_shown && (value == 0 || std::isnan(value))) return {};
   return in_number(metric.words, metric_value(r, metric));
 }
 

@@ -74,6 +74,7 @@ TEST(FrameMetrics, TakeTheFramesFromTheReportAndTheRestFromTheHealth) {
   health.frames_flagged = 5;
   health.head_losses = 9;
   health.pulse_error_p99 = 6600ns;
+  health.servos = {.load_percent = 14, .supply_V = 11.9, .temperature_degC = 48};
   const MetricValues metrics = frame_metrics(report, health, kNow);
   EXPECT_EQ(metrics[MetricId::kFramesProcessed], 100);
   EXPECT_EQ(metrics[MetricId::kFramesDropped], 7);
@@ -82,6 +83,9 @@ TEST(FrameMetrics, TakeTheFramesFromTheReportAndTheRestFromTheHealth) {
   EXPECT_EQ(metrics[MetricId::kUptime], 3661);
   EXPECT_EQ(metrics[MetricId::kHeadLosses], 9);
   EXPECT_DOUBLE_EQ(metrics[MetricId::kPulseErrorP99], 6.6);
+  EXPECT_EQ(metrics[MetricId::kServoLoad], 14);
+  EXPECT_EQ(metrics[MetricId::kServoSupply], 11.9);
+  EXPECT_EQ(metrics[MetricId::kServoTemperature], 48);
   EXPECT_EQ(metrics[MetricId::kRunsCut], 1);
   EXPECT_EQ(metrics[MetricId::kBlobsCut], 2);
   EXPECT_EQ(metrics[MetricId::kNeighboursCut], 3);

@@ -9,7 +9,7 @@ import time
 import tty
 from collections import namedtuple
 
-MODE, TORQUE, GOAL, POSITION, SUPPLY, TEMPERATURE = 11, 64, 116, 132, 144, 146
+MODE, TORQUE, GOAL, LOAD, POSITION, SUPPLY, TEMPERATURE = 11, 64, 116, 126, 132, 144, 146
 READ, WRITE, STATUS, SYNC_READ, SYNC_WRITE = 0x02, 0x03, 0x55, 0x82, 0x83
 HEADER = b"\xff\xff\xfd\x00"
 STEPS_PER_S = 4000  # of both; faster than they are told to go

@@ -7,13 +7,13 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(__file__))
-from dynamixel_bus import GOAL, MODE, READ, SYNC_READ, TORQUE, WRITE, DynamixelBus
+from dynamixel_bus import GOAL, LOAD, MODE, READ, SUPPLY, SYNC_READ, TEMPERATURE, TORQUE, WRITE, DynamixelBus
 from service_harness import PATIENCE_S, Client, Service, config_text, free_port, int16, run
 
 PAN, TILT = 3, 7
 STEPS_PER_DEG = 4096 / 360
 SERVO_FAULT = 1 << 12
-HEAD_LOSSES = 99
+HEAD_LOSSES, SERVO_SUPPLY = 99, 159
 DONE = 2
 
 
@@ -81,6 +81,12 @@ direction = "reversed"
     def test_it_aims_them_and_lets_go_at_the_end(self):
         with self.service() as service, Client(port=self.port) as client:
             service.wait_for_log("12.0 V, 31 degC, load 0 %")
+            self.assertEqual(client.read(SERVO_SUPPLY, 2), [1200, 310])
+            with self.bus.lock:
+                self.bus.memory[TILT][SUPPLY], self.bus.memory[PAN][TEMPERATURE] = 113, 57
+                self.bus.memory[TILT][LOAD:LOAD + 2] = (-430).to_bytes(2, "little", signed=True)
+            self.wait_until(lambda: client.read(SERVO_SUPPLY, 3) == [1130, 570, 430], "servo_supply, servo_temperature, servo_load")
+            self.assertRegex(run("ninedot", "status", "--port", str(self.port)).stdout, r"servos +11\.3 V, 57 degC, load 43 %\n")
             self.wait_until(lambda: self.bus.has_torque() == [True, True], "no torque")
             self.aim(client, 10, -5)
             self.aim(client, -30.5, 20)

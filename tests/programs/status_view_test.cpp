@@ -39,7 +39,7 @@ TEST(StatusTable, SaysPoseUncertaintyHeadAndHealthInTheRegistersUnits) {
             "Modbus     2 connected, 5 bus errors, 4 exceptions answered, 65542 requests,\n"
             "           11 connections since the start, 12 REFUSED, 13 expired, 14 frames of other units,\n"
             "           serial line LOST 15 times, serial line open\n"
-            "servos     head LOST 16 times, pulses off by 7 us (p99), max 21\n"
+            "servos     head LOST 16 times, 11.9 V, 48 degC, load 17 %, pulses off by 7 us (p99), max 21\n"
             "search     17 runs cut, 18 blobs cut, 19 hypotheses cut, 20 neighbours cut,\n"
             "           21 frames searched in part\n"
             "device     ninedot 1.20.300, serial number of the board 10000000a1b2c3d\n");

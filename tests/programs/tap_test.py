@@ -48,7 +48,7 @@ class Tap:
         self.data = mmap.mmap(self.file.fileno(), 0, prot=mmap.PROT_READ)
         assert member(self.data, "TapHeader", "magic") == b"NINETAP\0"
         assert member(self.data, "TapHeader", "byte_order") == 0x01020304
-        assert member(self.data, "TapHeader", "version") == 2
+        assert member(self.data, "TapHeader", "version") == 3
 
     def header(self, name):
         return member(self.data, "TapHeader", name)

@@ -66,6 +66,9 @@ inline MetricValues known_metrics() {
   metrics[kBusErrors] = 5;
   metrics[kExceptions] = 4;
   metrics[kRealtime] = metrics[kMemoryLocked] = 1;
+  metrics[kServoSupply] = 11.93;
+  metrics[kServoTemperature] = 48.5;
+  metrics[kServoLoad] = 17.2;
   metrics[kPulseErrorP99] = 6.6;
   metrics[kPulseErrorMax] = 21;
   metrics[kRequests] = 4295032838.0;  // 2^32 + 65542: wraps

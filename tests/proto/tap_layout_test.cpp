@@ -11,8 +11,8 @@ namespace ninedot {
 namespace {
 
 /// What readers in other languages rely on: written down once more, by hand. A change is another version.
-TEST(TapLayout, OfVersion2IsThis) {
-  EXPECT_EQ(kTapVersion, 2U);
+TEST(TapLayout, OfVersion3IsThis) {
+  EXPECT_EQ(kTapVersion, 3U);
   EXPECT_EQ(std::string(kTapMagic.begin(), kTapMagic.end()), std::string("NINETAP\0", 8));
   EXPECT_EQ(sizeof(TapHeader), 512U);
   EXPECT_EQ(offsetof(TapHeader, version), 8U);
@@ -55,9 +55,9 @@ TEST(TapLayout, OfVersion2IsThis) {
   EXPECT_EQ(sizeof(TapClient), 88U);
   EXPECT_EQ(sizeof(TapLogLine), 192U);
   EXPECT_EQ(offsetof(TapService, registers), 40U);
-  EXPECT_EQ(offsetof(TapService, clients), 360U);
-  EXPECT_EQ(offsetof(TapService, log), 1768U);
-  EXPECT_EQ(sizeof(TapService), 6376U);
+  EXPECT_EQ(offsetof(TapService, clients), 424U);
+  EXPECT_EQ(offsetof(TapService, log), 1832U);
+  EXPECT_EQ(sizeof(TapService), 6440U);
 }
 
 /// No member is left out, and none overlaps another.

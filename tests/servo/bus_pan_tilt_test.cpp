@@ -189,11 +189,11 @@ TEST(BusPanTilt, OpensALostBusAnewAndSaysTheNewestOrderAgain) {
   Servos servos;
   const auto head = head_on(servos);
   servos.health.supply_V = 12;
-  EXPECT_TRUE(eventually([&] { return head->health().supply_V == 12; }));
+  EXPECT_TRUE(eventually([&] { return head->state().servos.supply_V == 12; }));
   servos.absent = true;
   servos.broken = true;
   EXPECT_TRUE(eventually([&] { return head->state().failed; }));
-  EXPECT_TRUE(eventually([&] { return std::isnan(head->health().supply_V); }));
+  EXPECT_TRUE(eventually([&] { return std::isnan(head->state().servos.supply_V); }));
   EXPECT_TRUE(eventually([&] { return servos.open_now == 0; })) << "closed: somebody may need it to come back";
   EXPECT_EQ(head->state().losses, 1U);
   head->move_to(angles_deg(-20, 0));

@@ -221,12 +221,12 @@ TEST_P(SmartServosOf, SilenceIsALossAndTheyComeBackToTheNewestTarget) {
   const auto driven = head();
   emulated.faults.silent = true;
   EXPECT_TRUE(eventually([&] { return driven->state().failed; }));
-  EXPECT_TRUE(std::isnan(driven->health().supply_V));
+  EXPECT_TRUE(std::isnan(driven->state().servos.supply_V));
   driven->move_to({-15 * kRad, 15 * kRad});
   emulated.faults.silent = false;
   EXPECT_TRUE(gets_to(*driven, -15, 15));
   EXPECT_GE(driven->state().losses, 1U);
-  EXPECT_NEAR(driven->health().supply_V, 12, 1e-6);
+  EXPECT_NEAR(driven->state().servos.supply_V, 12, 1e-6);
 }
 
 TEST_P(SmartServosOf, AnAdapterThatWasPulledIsOpenedAgain) {

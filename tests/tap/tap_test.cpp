@@ -306,7 +306,7 @@ TEST_F(Tap, SaysOfAnotherVersionThatItIsOne) {
   std::fstream file(path(), std::ios::in | std::ios::out | std::ios::binary);
   file.seekp(offsetof(TapHeader, version));
   file.put(static_cast<char>(kTapVersion + 1)).flush();
-  EXPECT_NE(refusal_of_reader().find("version 2"), std::string::npos) << refusal_of_reader();
+  EXPECT_NE(refusal_of_reader().find("version 3"), std::string::npos) << refusal_of_reader();
 }
 
 TEST_F(Tap, WhoseHeaderIsDamagedIsRefused) {
