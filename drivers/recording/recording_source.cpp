@@ -61,12 +61,10 @@ std::optional<NewestWins::Taken> RecordingSource::take_ready() noexcept {
 }
 
 Result<FrameLease> RecordingSource::lend_preloaded() noexcept {
-  label(buffers_[0], turn_, turns_pass_);
-  buffers_[0].picture = &preloaded_[turn_];
-  if (++turn_ == preloaded_.size()) {
-    turn_ = 0;
-    ++turns_pass_;
-  }
+  const std::size_t i = lent_ % preloaded_.size();
+  label(buffers_[0], i, lent_ / preloaded_.size());
+  buffers_[0].picture = &preloaded_[i];
+  ++lent_;
   return lend({0, {}});
 }
 

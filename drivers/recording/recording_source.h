@@ -111,8 +111,7 @@ class RecordingSource final : public FrameSource, private FrameOwner {
   std::vector<std::chrono::nanoseconds> times_;  ///< of each frame
   std::chrono::nanoseconds pass_duration_{};
   std::vector<Picture> preloaded_;  ///< empty = not preloaded
-  std::size_t turn_ = 0;            ///< preloaded and kAsTaken: whose turn it is
-  std::uint64_t turns_pass_ = 0;
+  std::uint64_t lent_ = 0;          ///< with kAsTaken, of preloaded pictures: frames so far
   std::array<char, 512> last_failure_{};
 
   // Handed over by the atomics below: a buffer belongs to the decoding thread while it is free and being filled, then

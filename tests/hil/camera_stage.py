@@ -36,6 +36,8 @@ SMOKE_MOSAICS = ("BGGR10",)
 MOSAIC_ROWS = (0, 1, 2, 121, 240, 333, 478, 479)  # both kinds of row, and the borders
 ROUNDING = 1.0  # [LSB]: to whole numbers, twice
 SMOKE_STEP = 4  # of the stills
+LENS_STEP = 3  # of the stills: places far enough apart to be different views
+STANDS_STILL_S = 2.0  # some pictures in a row, on an emulated processor
 ROW_OF_ITS_OWN = ("frame", "timestamp_ns", "process_us")
 
 
@@ -135,15 +137,22 @@ class CameraStage:
         self.vivid.set_up()
 
     def calibrate_live(self):
-        """As somebody who shows the sheet and soon gives up: what was seen is kept."""
-        self.vivid.play("/tmp/scenes.raw")
+        """As somebody who holds the sheet still in one place after another and soon gives up: what was seen is kept."""
         self.guest.write("/tmp/lens.toml", camera_config())
-        status, text = self.guest.run(
+        self.guest.check(
             """rm -rf /tmp/lens; mkdir /tmp/lens
-            ninedot calibrate camera --config /tmp/lens.toml --out /tmp/lens/camera.yaml & working=$!
-            for _ in $(seq 600); do [ "$(ls /tmp/lens/camera-views/frames 2> /dev/null | wc -l)" -ge 3 ] && break; sleep 0.1; done
-            kill -TERM $working; wait $working""",
-            120,
+            (ninedot calibrate camera --config /tmp/lens.toml --out /tmp/lens/camera.yaml > /tmp/lens.log 2>&1 & echo $! > /tmp/lens.pid
+            wait $!; echo $? > /tmp/lens.status) > /dev/null 2>&1 &"""
+        )
+        for number in sorted(self.rows)[::LENS_STEP]:
+            self.vivid.play(f"/media/stills/{number:02}.raw")
+            time.sleep(STANDS_STILL_S)
+            if int(self.guest.check("ls /tmp/lens/camera-views/frames 2> /dev/null | wc -l")) >= 3:
+                break
+        status, text = self.guest.run(
+            """kill -TERM $(cat /tmp/lens.pid)
+            for _ in $(seq 200); do [ -s /tmp/lens.status ] && break; sleep 0.05; done
+            cat /tmp/lens.log; exit $(cat /tmp/lens.status)"""
         )
         kept = self.guest.check("ls /tmp/lens /tmp/lens/camera-views/frames").split()
         views = sum(name.endswith((".ppm", ".png", ".pgm")) for name in kept)

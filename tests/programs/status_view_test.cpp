@@ -96,11 +96,14 @@ TEST(StatusTable, SaysWhyThereIsNoPoseAndWhatIsNotKnown) {
   report.exposed_at = kNow - std::chrono::seconds(60);
   MetricValues metrics = test::known_metrics();
   metrics[MetricId::kTemperature] = std::nan("");
+  metrics[MetricId::kServoSupply] = metrics[MetricId::kServoLoad] = std::nan("");
   const RegisterBlock registers = registers_of(report, metrics);
   const std::string table = status_table(make_reader(registers));
   EXPECT_NE(table.find("NOT VALID: the camera"), std::string::npos) << table;
   EXPECT_NE(table.find("age > 6.5 s"), std::string::npos) << table;
   EXPECT_NE(table.find("board ? degC"), std::string::npos) << table;
+  EXPECT_NE(table.find("head LOST 16 times, 48 degC, pulses"), std::string::npos)
+      << "what servos don't tell: " << table;
 }
 
 TEST(StatusLine, CountsOneClientAsOne) {
