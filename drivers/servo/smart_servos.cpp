@@ -64,14 +64,11 @@ void SmartServos::set_up(int id, double steps_per_s) {
                   options_.device, id, options_.baud));
   };
   if (table.mode_address >= 0) {
-    // A late answer to a question of before, whether there is force, looks the same: one byte of this servo's.
-    int mode = -1;
-    for (int attempt = 0; attempt < kAttempts && mode != table.position_mode; ++attempt) {
-      const Result<ServoBytes> found = read(id, table.mode_address, 1);
-      if (!found) refuse(found.error());
-      mode = (*found)[0];
-    }
-    if (mode != table.position_mode)
+    // With the byte behind it: answers to the question of before, whether there is force, may come as late as this, and
+    // must not look the same.
+    const Result<ServoBytes> found = read(id, table.mode_address, 2);
+    if (!found) refuse(found.error());
+    if (const int mode = (*found)[0]; mode != table.position_mode)
       throw StartupError(ExitStatus::kWrongUsage,
                          fmt::format("{}: servo {} is in operating mode {}; set mode {}, position control, with its "
                                      "maker's tool",

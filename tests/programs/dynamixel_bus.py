@@ -73,7 +73,7 @@ class DynamixelBus:
             self.faults.append(Fault(*fault))
 
     def stall(self, fault, until):
-        """From such an answer on all stay on the way, until somebody asks for the address `until`; then they come at once."""
+        """From such an answer on all stay on the way, until somebody asks for the address `until`; then they come, one by one."""
         with self.lock:
             self.faults.append(Fault("stall", *fault))
             self.holds_until = until
@@ -146,8 +146,8 @@ class DynamixelBus:
         self.holds_until = None
         for answer in self.held:
             os.write(self.line, answer)
+            time.sleep(0.003)  # so that it is read before what comes next
         self.held.clear()
-        time.sleep(0.005)  # so that it is read before what comes next
 
     def answer(self, instruction, servo, address, size):
         if servo not in self.memory:

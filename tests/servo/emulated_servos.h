@@ -34,7 +34,7 @@ class EmulatedServos {
     std::atomic<bool> in_pieces{false};          ///< three bytes of an answer at a time
     std::atomic<bool> answers_no_writes{false};  ///< a setting of both makers'
     std::atomic<int> lost_goals{0};              ///< so many of the next packets to both servos get lost
-    std::atomic<int> late_torques{0};            ///< so many times that answer comes in another one's place
+    std::atomic<int> late_torques{0};            ///< so many of that answer come, one by one, before another one's
     std::atomic<int> lost_percent{0};            ///< of answers
     std::atomic<int> spoilt_percent{0};          ///< of answers: one bit is wrong
   };
@@ -248,9 +248,9 @@ class EmulatedServos {
   void read(int id, int address, int count) {
     const auto found = servos_.find(id);
     if (found == servos_.end()) return;
-    if (count == 1 && faults.late_torques > 0) {
-      --faults.late_torques;
-      return answer(id, {1});
+    for (; faults.late_torques > 0; --faults.late_torques) {
+      answer(id, {1});
+      std::this_thread::sleep_for(std::chrono::milliseconds(3));
     }
     const auto begin = found->second.memory.begin() + address;
     answer(id, Bytes(begin, begin + count));

@@ -165,8 +165,8 @@ TEST_P(SmartServosOf, AnAnswerThatCameTwiceIsNotTakenForTheNextOne) {
   }
 }
 
-TEST_P(SmartServosOf, ALateAnswerIsNoModeToRefuse) {
-  emulated.faults.late_torques = 2;
+TEST_P(SmartServosOf, LateAnswersAreNoModeToRefuse) {
+  emulated.faults.late_torques = 2 * SmartServos::kAttempts;
   EXPECT_EQ(refusal(), "taken");
 }
 
