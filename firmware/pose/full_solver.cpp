@@ -26,6 +26,9 @@ constexpr std::size_t kLeastCentroids = 5;
 constexpr double kDecisive_chi2 = 60;
 // The same where a track has told the two apart: odds of 1 to 10000, while they are further apart than a track's noise.
 constexpr double kSettled_chi2 = 18.4, kApart_rad = 0.17;
+// Places that say the opposite of the grey levels by more: the grey levels have something that the model has
+// not, and the two poses stay open.
+constexpr double kContradiction_chi2 = 4;
 // Odds of exp(-500): how much further beyond makes no difference to anything.
 constexpr double kBeyondDoubt_chi2 = 1000;
 // Residual of centroids that a track may start from at once: its outlines then lie within the half pixel of
@@ -75,6 +78,7 @@ struct FullSolver::Workspace {
                              const SheetMotion& motion) const noexcept;
   bool refine_first(const ImageView& luma, const LandmarkObservation& seen, const Starts& starts,
                     const PosePrior* prior, double warp_px, int& pixels, const SheetMotion& motion) noexcept;
+  double preference(const OutlineRefiner& whose, const CameraFromLandmark& other) const noexcept;
   double believable(double chi2_above, const OutlineState& other) const noexcept;
   std::optional<PoseCandidate> weigh_mirror(const ImageView& luma, const PosePrior* prior, double warp_px,
                                             int& pixels) noexcept;
@@ -162,6 +166,12 @@ bool FullSolver::Workspace::refine_first(const ImageView& luma, const LandmarkOb
   return first.refine(luma, start, Start::kRough, warp_px, pixels).has_converged();
 }
 
+/// By how much more chi^2 the dots' places, as one of the refiners has seen them, suit the first one's pose than the
+/// other one. A blur that is even about its middle, whatever its shape, leaves places where they are.
+double FullSolver::Workspace::preference(const OutlineRefiner& whose, const CameraFromLandmark& other) const noexcept {
+  return preference_of_places(first.state().T_camera_landmark, other, whose.dots(), landmark);
+}
+
 /// Of what tells the first refiner's pose from another one, what their dots' places can carry.
 double FullSolver::Workspace::believable(double chi2_above, const OutlineState& other) const noexcept {
   if (options.pattern_px == 0) return chi2_above;
@@ -203,8 +213,11 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
     return std::nullopt;
   mirror = candidate_of(second, camera, landmark);
   // Half of the difference from the pixels of either: neither's choice of pixels and weights decides.
-  mirror.chi2_above =
-      believable(0.5 * (first.chi2_above(second.state()) - second.chi2_above(first.state())), second.state());
+  const double of_pixels_chi2 = 0.5 * (first.chi2_above(second.state()) - second.chi2_above(first.state()));
+  const CameraFromLandmark& other = second.state().T_camera_landmark;
+  const double of_places_chi2 = 0.5 * (preference(first, other) + preference(second, other));
+  const bool contradict = of_pixels_chi2 * of_places_chi2 < 0 && std::abs(of_places_chi2) > kContradiction_chi2;
+  mirror.chi2_above = contradict ? 0 : believable(of_pixels_chi2, second.state());
   return mirror;
 }
 

@@ -40,6 +40,19 @@ double evidence_of_places(const CameraFromLandmark& a, const CameraFromLandmark&
   return apart_chi2 + 2 * std::sqrt(apart_chi2);
 }
 
+double preference_of_places(const CameraFromLandmark& a, const CameraFromLandmark& b, const DotSightings& dots,
+                            const LandmarkGeometry& landmark) noexcept {
+  double chi2 = 0;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    const Eigen::Vector2d C = landmark.centre_m(dot);
+    const Eigen::Vector3d p(C.x(), 0, C.y());
+    const Eigen::Vector2d from_a = (a * p).hnormalized() - dots[dot].ray,
+                          from_b = (b * p).hnormalized() - dots[dot].ray;
+    chi2 += from_b.dot(dots[dot].information * from_b) - from_a.dot(dots[dot].information * from_a);
+  }
+  return chi2;
+}
+
 double angle_between_rad(const CameraFromLandmark& a, const CameraFromLandmark& b) noexcept {
   return log_so3(a.rotation.transpose() * b.rotation).norm();
 }

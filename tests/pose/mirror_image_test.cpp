@@ -93,5 +93,20 @@ TEST(EvidenceOfPlaces, IsNoneOfDotsThatAreNotSeen) {
   EXPECT_EQ(evidence_of_places(T, mirror_image(T, {}), DotSightings{}, 0.001, {}), 0);
 }
 
+TEST(PreferenceOfPlaces, IsForThePoseThatShowsTheDotsThere) {
+  const CameraFromLandmark T = seen_from(1, 0.3, 0.3), mirror = mirror_image(T, {});
+  DotSightings dots;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    const Eigen::Vector2d C = LandmarkGeometry{}.centre_m(dot);
+    dots[dot].ray = (T * Eigen::Vector3d(C.x(), 0, C.y())).hnormalized();
+    dots[dot].information = 1e8 * Eigen::Matrix2d::Identity();
+  }
+  const double apart_chi2 = 1e8 * kDotCount * std::pow(apart_px(T, mirror, kAllInSight) / 720, 2);
+  EXPECT_NEAR(preference_of_places(T, mirror, dots, {}), apart_chi2, 1e-6 * apart_chi2);
+  EXPECT_NEAR(preference_of_places(mirror, T, dots, {}), -apart_chi2, 1e-6 * apart_chi2);
+  for (DotSighting& dot : dots) dot.information.setZero();
+  EXPECT_EQ(preference_of_places(T, mirror, dots, {}), 0) << "of dots that are not seen";
+}
+
 }  // namespace
 }  // namespace ninedot
