@@ -52,7 +52,7 @@ struct ServoTable {
   int goal_address = 0;                ///< what `encode_goal` makes
   int state_address = 0;               ///< what `decode_state` reads
   int state_size = 0;                  ///< [bytes]
-  int mode_address = 0;                ///< 1 byte; none: negative
+  int mode_address = 0;                ///< 1 byte, and one behind it that can be read; none: negative
   int position_mode = 0;               ///< what it must hold: the servo goes to positions
   int max_position = 0;                ///< [steps], from 0
   std::optional<int> speed_address{};  ///< where `encode_speed` belongs; none: a goal holds its speed

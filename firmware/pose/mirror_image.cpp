@@ -15,6 +15,11 @@ constexpr double kFellBack = 0.5;
 // Four places determine a plane's map exactly and may lie three on a line: as few have no second pose that is sure.
 constexpr int kLeastPoints = 5;
 
+Eigen::Vector2d ray_of_dot(const CameraFromLandmark& T, const LandmarkGeometry& landmark, std::size_t dot) noexcept {
+  const Eigen::Vector2d C = landmark.centre_m(dot);
+  return (T * Eigen::Vector3d(C.x(), 0, C.y())).hnormalized();
+}
+
 /// As much inclined to the other side of the line of sight: alike but for perspective.
 CameraFromLandmark reflected(const CameraFromLandmark& T) noexcept {
   const Eigen::Vector3d sight = T.translation_m.normalized();
@@ -30,9 +35,7 @@ double evidence_of_places(const CameraFromLandmark& a, const CameraFromLandmark&
                           double pattern, const LandmarkGeometry& landmark) noexcept {
   double apart_chi2 = 0;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
-    const Eigen::Vector2d C = landmark.centre_m(dot);
-    const Eigen::Vector3d p(C.x(), 0, C.y());
-    const Eigen::Vector2d d = (a * p).hnormalized() - (b * p).hnormalized();
+    const Eigen::Vector2d d = ray_of_dot(a, landmark, dot) - ray_of_dot(b, landmark, dot);
     const Eigen::Matrix2d& information = dots[dot].information;
     const Eigen::Matrix2d held = Eigen::Matrix2d::Identity() + pattern * pattern * information;
     apart_chi2 += d.dot(held.inverse() * information * d);
@@ -44,10 +47,8 @@ double preference_of_places(const CameraFromLandmark& a, const CameraFromLandmar
                             const LandmarkGeometry& landmark) noexcept {
   double chi2 = 0;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
-    const Eigen::Vector2d C = landmark.centre_m(dot);
-    const Eigen::Vector3d p(C.x(), 0, C.y());
-    const Eigen::Vector2d from_a = (a * p).hnormalized() - dots[dot].ray,
-                          from_b = (b * p).hnormalized() - dots[dot].ray;
+    const Eigen::Vector2d from_a = ray_of_dot(a, landmark, dot) - dots[dot].ray,
+                          from_b = ray_of_dot(b, landmark, dot) - dots[dot].ray;
     chi2 += from_b.dot(dots[dot].information * from_b) - from_a.dot(dots[dot].information * from_a);
   }
   return chi2;
@@ -63,8 +64,7 @@ CameraFromLandmark mirror_image(const CameraFromLandmark& T, const LandmarkGeome
   InlineVector<PlanePoint, kDotCount> points;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
     if (are_enough && visible_share[dot] < kMinVisible) continue;
-    const Eigen::Vector2d C = landmark.centre_m(dot);
-    (void)points.try_push_back({C, (T * Eigen::Vector3d(C.x(), 0, C.y())).hnormalized()});  // as many as dots
+    (void)points.try_push_back({landmark.centre_m(dot), ray_of_dot(T, landmark, dot)});  // as many as dots
   }
   // Where the reflection climbs to is what the other one of both solutions is, at a third of the cost. Of some of the
   // dots that is not where it climbs to: they are not reflected about their own middle.

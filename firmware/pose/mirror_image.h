@@ -29,8 +29,8 @@ double evidence_of_places(const CameraFromLandmark& a, const CameraFromLandmark&
                           double pattern, const LandmarkGeometry& landmark) noexcept;
 
 /// What the places where one picture shows the dots do say for `a` against `b`. \param dots  their places and the
-/// information of each \return  difference of chi^2 [1], above zero where `a` suits them better, at most
-/// `evidence_of_places` Memory: none. Threads: pure.
+/// information of each \return  difference of chi^2 [1], above zero where `a` suits them better Memory: none. Threads:
+/// pure.
 double preference_of_places(const CameraFromLandmark& a, const CameraFromLandmark& b, const DotSightings& dots,
                             const LandmarkGeometry& landmark) noexcept;
 
