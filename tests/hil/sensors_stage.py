@@ -69,13 +69,11 @@ class SensorsStage:
         self.guest.write("/tmp/check.toml", self.config(device, **keys))
         return self.guest.run("ninedot check --config /tmp/check.toml", 60)
 
-    def try_to_record(self, device, frames, **keys):
-        """\\return  (exit status, what it said)"""
-        self.guest.write("/tmp/record.toml", self.config(device, **keys))
-        return self.guest.run(f"rm -rf /tmp/out; ninedot record --grey --config /tmp/record.toml --out /tmp/out --frames {frames}", 120)
-
     def record(self, device, frames, **keys):
-        status, text = self.try_to_record(device, frames, **keys)
+        self.guest.write("/tmp/record.toml", self.config(device, **keys))
+        status, text = self.guest.run(
+            f"rm -rf /tmp/out; ninedot record --grey --config /tmp/record.toml --out /tmp/out --frames {frames}", 120
+        )
         assert status == 0, text
 
     def picture(self):
@@ -127,12 +125,10 @@ class SensorsStage:
     def as_the_kernel_has_it(self):
         """Sensor A, whose driver is unchanged: a mosaic, and a link that can't be switched."""
         self.guest.check(f"v4l2-ctl -d {self.node('Sensor A')} -c show_information=2")
+        self.stage.begin("as-the-kernel-has-it")
         good = []
         for name, code in (("RGGB", "RGGB"), ("GBRG10", "GB10")):
-            status, text = self.try_to_record("sensor:Sensor A", 4, pixel_format=name, camera="", rate_hz=60)
-            if status != 0:
-                self.stage.ok("as-the-kernel-has-it", False, f"{name}: {text}")
-                return
+            self.record("sensor:Sensor A", 4, pixel_format=name, camera="", rate_hz=60)
             shown = self.guest.check(f"v4l2-ctl -d {self.node('Raw Capture 0')} --get-fmt-video; media-ctl -p")
             good.append(f"'{code}'" in shown and len(self.guest.check("ls /tmp/out/frames").split()) == 4)
         luma = self.picture()
