@@ -101,6 +101,11 @@ const ImageBuffer& SpotThreshold::compute(const ImageView& half, int min_contras
   slide_along_columns<kInkReach_px, kInkReach_px>(scratch_, eroded_, fours_, Minimum{});
 
   const auto least = static_cast<std::uint8_t>(std::clamp(min_contrast_lsb, 0, 255));
+  std::uint8_t darkest = 255;
+  for (int y = 0; y < height; ++y) {
+    const std::uint8_t* row = eroded_.row(y);
+    for (int x = 0; x < width; ++x) darkest = row[x] < darkest ? row[x] : darkest;
+  }
   for (int y = 0; y < height; ++y) {
     const std::uint8_t* __restrict paper = closed_.row(y);
     const std::uint8_t* __restrict ink = eroded_.row(y);
@@ -109,7 +114,10 @@ const ImageBuffer& SpotThreshold::compute(const ImageView& half, int min_contras
     for (int x = 0; x < width; ++x) {
       const auto contrast = static_cast<std::uint8_t>(paper[x] - ink[x]);  // the closing is nowhere darker
       const auto middle = static_cast<std::uint8_t>((paper[x] + ink[x] + 1) >> 1);
-      const auto share = static_cast<std::uint8_t>(paper[x] / SpotThreshold::kMinContrastShare);
+      const auto of_paper = static_cast<std::uint8_t>(paper[x] / SpotThreshold::kMinContrastShare);
+      const auto above_darkest = static_cast<std::uint8_t>(paper[x] - darkest);
+      const auto of_range = static_cast<std::uint8_t>(above_darkest - above_darkest / SpotThreshold::kMaxRangeLeft);
+      const std::uint8_t share = of_paper < of_range ? of_paper : of_range;
       const std::uint8_t needed = share > least ? share : least;
       threshold[x] = contrast >= needed ? middle : std::uint8_t{0};
     }

@@ -29,12 +29,15 @@ class SpotThreshold {
   /// An eighth of the paper's grey level is the least contrast. Ink on paper has four times as much, and keeps that
   /// through half a veil of haze; stone, wood and plaster have less.
   static constexpr int kMinContrastShare = 8;
+  /// Where nothing in the picture is dark, as behind a thick veil or a reflection, all but a sixth of the way down
+  /// from the paper to the picture's darkest place is enough: ink goes nearly all of it, a wall's grain seldom. [1]
+  static constexpr int kMaxRangeLeft = 6;
 
   SpotThreshold(int max_half_width_px, int max_half_height_px);
 
   /// \param half  the picture at half its size
-  /// \param min_contrast_lsb  between paper and ink, grey levels; where the paper is bright, kMinContrastShare asks
-  /// more \return  threshold picture of the size of `half`, valid until the next call
+  /// \param min_contrast_lsb  between paper and ink, grey levels; where the paper is bright, the less of both shares
+  /// asks more \return  threshold picture of the size of `half`, valid until the next call
   const ImageBuffer& compute(const ImageView& half, int min_contrast_lsb) noexcept;
 
  private:

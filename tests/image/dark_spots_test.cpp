@@ -45,10 +45,27 @@ TEST(SpotThreshold, FollowsTheEdgeOfAHardShadow) {
   EXPECT_EQ(canvas.threshold_at(50, 33), 50) << "the spot's paper is the shadow's, not the sunlit one two pixels away";
 }
 
-TEST(SpotThreshold, IsThePlainDefinitionOfClosingAndErosion) {
+TEST(SpotThreshold, SeesInkThroughAVeilThatLeavesNothingDark) {
+  Canvas canvas;
+  canvas.fill(0, 0, kWidth_px, kHeight_px, 205);  // the wall, and on it
+  canvas.fill(20, 10, 70, 60, 225);               // the sheet
+  canvas.fill(40, 30, 48, 38, 204);
+  EXPECT_EQ(canvas.threshold_at(44, 34), 215);
+  canvas.fill(80, 0, kWidth_px, kHeight_px, 20);  // no veil, then, and this is no ink
+  EXPECT_EQ(canvas.threshold_at(44, 34), 0);
+}
+
+class SpotThresholdOf : public testing::TestWithParam<int> {};
+
+TEST_P(SpotThresholdOf, IsThePlainDefinitionOfClosingAndErosion) {
+  const int darkest = GetParam();
   Canvas canvas;
   unsigned state = 1;
-  for (auto& pixel : canvas.pixels) pixel = static_cast<std::uint8_t>((state = state * 1664525U + 1013904223U) >> 24);
+  for (auto& pixel : canvas.pixels) {
+    state = state * 1664525U + 1013904223U;
+    pixel = static_cast<std::uint8_t>(darkest + (256 - darkest) * static_cast<int>(state >> 24) / 256);
+  }
+  canvas.at(0, 0) = static_cast<std::uint8_t>(darkest);
   const auto extreme = [](const std::vector<std::uint8_t>& in, int before, int after, bool largest) {
     std::vector<std::uint8_t> out(in.size());
     for (int y = 0; y < kHeight_px; ++y)
@@ -73,10 +90,15 @@ TEST(SpotThreshold, IsThePlainDefinitionOfClosingAndErosion) {
     for (int x = 0; x < kWidth_px; ++x) {
       const auto i = static_cast<std::size_t>(y * kWidth_px + x);
       const int contrast = closed[i] - eroded[i];
-      const int needed = std::max(kContrast_lsb, closed[i] / SpotThreshold::kMinContrastShare);
+      const int range = closed[i] - darkest;
+      const int share =
+          std::min(closed[i] / SpotThreshold::kMinContrastShare, range - range / SpotThreshold::kMaxRangeLeft);
+      const int needed = std::max(kContrast_lsb, share);
       ASSERT_EQ(threshold.row(y)[x], contrast >= needed ? eroded[i] + (contrast + 1) / 2 : 0) << x << ' ' << y;
     }
 }
+
+INSTANTIATE_TEST_SUITE_P(FromDarkestGrey, SpotThresholdOf, testing::Values(0, 130, 200));
 
 }  // namespace
 }  // namespace ninedot

@@ -61,6 +61,9 @@ INSTANTIATE_TEST_SUITE_P(
              {17737693262209339593U, 10544269432182287487U, 9359183685056882247U}},
         View{"BehindWhatHasMoreOutlinesThanTheLandmark", "50 % hidden", {18062928103311801452U, 4438838570645933729U}},
         View{"WhereTheMirrorImageHasNoStartOfItsOwn", "nearly frontal, 3 to 4.5 m", {2, 39}},
+        View{"ThroughAThickVeil",
+             "haze",
+             {8129618775273956903U, 9484165351729662923U, 4640819879100452677U, 7505824528346111231U}},
         View{"OfASheetThatIsNotFlat", "smoothly warped sheet", {3}}),
     [](const auto& view) { return view.param.test; });
 
