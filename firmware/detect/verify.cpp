@@ -239,25 +239,48 @@ class Evidence {
     return standing_out >= kAround - 2;
   }
 
-  /// Blobs of a ring dot's size inside the sheet's dotted part that no dot accounts for.
-  int intruders(const BlobList& blobs) const noexcept {
-    const Eigen::Matrix3d& H = hypothesis_.H_px_plane;
-    const Eigen::Matrix3d plane_from_px = H.inverse();
+  /// What a dot of the ring covers there, seen as the guess has it.
+  double ring_dot_area_px2(const Eigen::Vector2d& plane_m) const noexcept {
+    return std::numbers::pi * landmark_.dot_radius_m * landmark_.dot_radius_m *
+           jacobian_of_map(hypothesis_.H_px_plane, plane_m).determinant();
+  }
+
+  /// Is the blob of this index a dot's?
+  bool is_matched(std::size_t i) const noexcept {
+    return std::find(hypothesis_.blob.begin(), hypothesis_.blob.end(), static_cast<int>(i)) != hypothesis_.blob.end();
+  }
+
+  /// Ink with paper all around that no dot accounts for.
+  struct Unmatched {
+    int strangers = 0;                             ///< of about a ring dot's size, within the sheet's dotted part
+    std::array<bool, kRingDotCount> is_beside{};   ///< a whole dot, beside the place of this one
+    std::array<bool, kRingDotCount> is_resized{};  ///< in the place of this one, and much smaller or larger
+  };
+
+  Unmatched unmatched_ink(const BlobList& blobs) const noexcept {
+    // Of a dot's radius around its middle. Nearer than half of it a warped sheet has its dots too; further away than
+    // one the dot leaves its place to paper, which the outlines tell.
+    constexpr double kInPlace = 0.5, kOverlapping = 1;
+    constexpr double kLeastWhole = 0.75, kMostWhole = 1.4;  // of a ring dot's area: what hides a dot leaves less of it
+    constexpr double kLeastStrange = 0.4, kMostStrange = 2.5;
+    constexpr double kMuchSmaller = 0.6, kMuchLarger = 1.7, kSpeck = 0.1, kBlotch = 4;
     const double reach_m = landmark_.ring_radius_m + landmark_.dot_radius_m;
-    int count = 0;
+    const Eigen::Matrix3d plane_from_px = hypothesis_.H_px_plane.inverse();
+    Unmatched found;
     for (std::size_t i = 0; i < blobs.size(); ++i) {
-      const Blob& blob = blobs[i];
-      const Eigen::Vector2d plane_m = map_point(plane_from_px, Eigen::Vector2d(blob.x_px, blob.y_px));
+      const Eigen::Vector2d plane_m = map_point(plane_from_px, Eigen::Vector2d(blobs[i].x_px, blobs[i].y_px));
       if (!(plane_m.norm() < reach_m)) continue;
-      const double area_px2 = std::numbers::pi * landmark_.dot_radius_m * landmark_.dot_radius_m *
-                              jacobian_of_map(H, plane_m).determinant();
-      if (blob.area_px2 < 0.4 * area_px2 || blob.area_px2 > 2.5 * area_px2) continue;
-      if (std::find(hypothesis_.blob.begin(), hypothesis_.blob.end(), static_cast<int>(i)) != hypothesis_.blob.end())
-        continue;
-      if (!is_ink_on_paper(plane_m)) continue;
-      if (!is_on_a_dot(plane_m)) ++count;
+      const double area = blobs[i].area_px2 / ring_dot_area_px2(plane_m);
+      if (area < kSpeck || area > kBlotch || is_matched(i) || !is_ink_on_paper(plane_m)) continue;
+      const bool is_strange = area >= kLeastStrange && area <= kMostStrange;
+      if (is_strange && !is_on_a_dot(plane_m)) ++found.strangers;
+      for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
+        const double off = (plane_m - landmark_.centre_m(dot)).norm() / landmark_.dot_radius_m;
+        found.is_beside[dot] |= off > kInPlace && off < kOverlapping && area > kLeastWhole && area < kMostWhole;
+        found.is_resized[dot] |= off < kInPlace && (area < kMuchSmaller || area > kMuchLarger);
+      }
     }
-    return count;
+    return found;
   }
 
   /// The same dot found a second time, or a part of it, is no intruder.
@@ -269,18 +292,24 @@ class Evidence {
   }
 
   /// Hidden dots come in a row. A hole between two whole dots is dirt once, unless the sheet itself is in its place or
-  /// its dot is somewhere else; and another pattern twice.
+  /// its dot is somewhere else; and another pattern twice. Dots of other sizes are cut by an edge once or twice, and
+  /// another pattern where there are more.
   bool are_hidden_not_absent(const Verification& v, const BlobList& blobs, int seen) const noexcept {
-    int holes = 0;
-    bool is_blank_hole = false;
+    constexpr int kMostResized = 2;
+    const Unmatched unmatched = unmatched_ink(blobs);
+    int holes = 0, resized = 0;
+    bool is_absent = false;
     for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
+      if (v.visible_fraction[dot] >= kSeenOutline) continue;
+      if (unmatched.is_resized[dot]) ++resized;
       const float before = v.visible_fraction[(dot + 7) % 8], after = v.visible_fraction[(dot + 1) % 8];
-      if (!(v.visible_fraction[dot] < kSeenOutline && before >= kSeenOutline && after >= kSeenOutline)) continue;
-      is_blank_hole = is_blank_hole || is_blank(dot, kSamePaperShare);
+      if (before < kSeenOutline || after < kSeenOutline) continue;
+      is_absent = is_absent || unmatched.is_beside[dot] || is_blank(dot, kSamePaperShare);
       if (v.visible_fraction[dot] < kSeenOutline / 2) ++holes;
     }
-    const int strangers = intruders(blobs);
-    return holes <= 1 && !is_blank_hole && (holes == 0 || strangers == 0) && 2 * strangers <= seen - 3;
+    const int strangers = unmatched.strangers;
+    return holes <= 1 && !is_absent && resized <= kMostResized && (holes == 0 || strangers == 0) &&
+           2 * strangers <= seen - 3;
   }
 
   const ImageView& luma_;

@@ -333,12 +333,12 @@ TEST(RoomLocaliser, TellsWhatASearchSawThatFoundNothingAndOfThatFrameAlone) {
 }
 
 TEST(RoomLocaliser, SaysOfASheetWhoseDotsAreElsewhereThatItDoesNotFit) {
-  // The ring's dots 4 mm further out or in: seen as a landmark, and refuted by its outlines.
+  // The ring's dots 3 mm further out or in: seen as a landmark, and refuted by its outlines.
   const test::Picture picture = picture_of_changed([](test::Sheet& sheet) {
     const std::array<double, kRingDotCount> out{1, -1, -1, 1, 1, -1, 1, -1};
     for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
-      sheet.discs[dot].x_m *= 1 + 0.05 * out[dot];
-      sheet.discs[dot].z_m *= 1 + 0.05 * out[dot];
+      sheet.discs[dot].x_m *= 1 + 0.0375 * out[dot];
+      sheet.discs[dot].z_m *= 1 + 0.0375 * out[dot];
     }
   });
   RoomLocaliser unit(CameraModel{}, {.map = map_of_wall()});

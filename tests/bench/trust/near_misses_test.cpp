@@ -57,6 +57,8 @@ INSTANTIATE_TEST_SUITE_P(
         LookAlike{"SquaresOfWhichTheNearestAreKnownForWhatTheyAre", "squares for dots", {7306767430684577609U}},
         LookAlike{"HollowDots", "hollow dots", {5421986315511004047U}},
         LookAlike{"ACentreAsideFromSteeplyAside", "centre aside by 12 to 30 % of R", {1745195488720900739U}},
+        LookAlike{"DotsOfGrowingSizeOfWhichThreeFit", "dots of growing size", {16092328035561727338U}},
+        LookAlike{"ADotPrintedBesideItsPlace", "one dot moved by 10 to 40 % of R", {1600044430514172862U}},
         LookAlike{"BoltsWithinTheRing", "rims with holes and bolts", {5593147083095841053U}},
         LookAlike{"BlurredLoudspeakers",
                   "loudspeakers",
