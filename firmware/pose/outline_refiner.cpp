@@ -59,6 +59,10 @@ constexpr double kExpectedReach_px = 1, kExpectedClose_px = 0.25, kExpectedSecon
 constexpr double kExpectedWider = 2;
 // The weights were of the place before a step: where the step before it was longer than this, they are out of date.
 constexpr double kCalm_px = 0.03;
+// Of P9's short semi-axis, and for the noise of a small one: an outline that lies further off is not P9's, whatever its
+// many groups make of the scatter. A disc of one and a half times its size has half of it. (Rings of dots of other
+// sizes are told by their shapes.)
+constexpr double kCentreInPlace = 0.25, kInPlace_px = 0.3;
 constexpr double kUnseenShare = 1e-3;  // of a dot's information: directions that its outline says less of
 constexpr double kHeldSigma = 1e-3, kFreeSigma = 1e3;  // of offset [px] and blur [px^2] in one step
 constexpr double kOffsetSigma_px = 0.35;               // prior: an sRGB curve moves edges by 0.3 px (METHOD, section 3)
@@ -250,10 +254,13 @@ double OutlineRefiner::chi2_above(const OutlineState& other, double enough) cons
 
 std::array<double, kDotCount> OutlineRefiner::visible_share() const noexcept {
   std::array<int, kDotCount> groups{}, good{};
+  const double centre_px = dot_radius_px() * landmark_.centre_radius_m / landmark_.dot_radius_m;
+  const double most_px = kCentreInPlace * foreshortening(state_.T_camera_landmark) * centre_px + kInPlace_px;
   for (std::size_t i = 0; i < pixels_.groups.size(); ++i) {
     const std::size_t dot = pixels_.groups[i].dot;
     ++groups[dot];
-    if (weights_.outline_there[i]) ++good[dot];
+    const bool is_in_place = dot != kCentreDot || std::abs(fits_[i].shift_px) < most_px;
+    if (weights_.outline_there[i] && is_in_place) ++good[dot];
   }
   std::array<double, kDotCount> share{};
   for (std::size_t dot = 0; dot < kDotCount; ++dot)

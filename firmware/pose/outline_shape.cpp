@@ -37,8 +37,10 @@ constexpr std::array<double, 6> kBeside{1.3, 1.6, 2.0, 2.4, 2.8, 3.2};  // the n
 // hides it has both on the side that it comes from.
 constexpr double kInsideCentre = 0.8, kBesideCentre = 1.2;
 constexpr int kAsideDirections = 12;
-// A dot may be hidden by something that is as white as paper; so many, each of them white all over, are not there.
-constexpr int kLeastBlank = 3;
+// A dot may be hidden by something that is as white as paper; so many, each of them white all over, are not there. Any
+// dots fit where there are few: then one is enough less.
+constexpr int kLeastBlank = 3, kFewDots = 5, kLeastBlankOfFew = 2;
+constexpr double kAroundDot = 1.6;           // radii: the sheet's paper about a dot, far from the next one
 constexpr double kThere = 0.75;              // of its outline: a dot that is where it belongs
 constexpr double kPaper = 0.15, kInk = 0.5;  // how much darker than paper, of the contrast
 
@@ -184,6 +186,12 @@ struct SheetLight {
   const OutlineFit& fit;
 };
 
+/// A point of the sheet beside a dot of the ring. \param i  of kDirections \param radii  from its middle
+Eigen::Vector2d beside(const LandmarkGeometry& landmark, std::size_t dot, int i, double radii) noexcept {
+  const double a_rad = i * 2 * std::numbers::pi / kDirections;
+  return landmark.centre_m(dot) + radii * landmark.dot_radius_m * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad));
+}
+
 bool is_centre_aside(const SheetLight& light, const LandmarkGeometry& landmark) noexcept {
   const Eigen::Rotation2Dd on(2 * std::numbers::pi / kAsideDirections);
   Eigen::Vector2d radius(landmark.radius_m(kCentreDot), 0);
@@ -194,6 +202,34 @@ bool is_centre_aside(const SheetLight& light, const LandmarkGeometry& landmark) 
       return true;
   }
   return false;
+}
+
+/// How much darker than the landmark's the paper is in each place of the ring, in contrasts: about the dots that are
+/// there, and on the way from one of them to the next in the places between. Light slopes.
+std::array<double, kRingDotCount> darkness_of_paper(const SheetLight& light, const LandmarkGeometry& landmark,
+                                                    const std::array<bool, kRingDotCount>& is_there) noexcept {
+  std::array<double, kRingDotCount> darkness{};
+  for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
+    if (!is_there[dot]) continue;
+    double sum = 0;
+    int count = 0;
+    for (int i = 0; i < kDirections; ++i) {
+      const auto around = light.darkness_at(beside(landmark, dot, i, kAroundDot));
+      if (around) sum += *around, ++count;
+    }
+    if (count > 0) darkness[dot] = sum / count;
+  }
+  for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
+    if (is_there[dot]) continue;
+    std::size_t before = 1, after = 1;
+    while (before < kRingDotCount && !is_there[(dot + kRingDotCount - before) % kRingDotCount]) ++before;
+    while (after < kRingDotCount && !is_there[(dot + after) % kRingDotCount]) ++after;
+    if (before == kRingDotCount) return darkness;  // none is there
+    const double a = darkness[(dot + kRingDotCount - before) % kRingDotCount],
+                 b = darkness[(dot + after) % kRingDotCount];
+    darkness[dot] = a + (b - a) * static_cast<double>(before) / static_cast<double>(before + after);
+  }
+  return darkness;
 }
 
 }  // namespace
@@ -254,30 +290,31 @@ int count_spots(const ImageView& luma, const CameraModel& camera, const Landmark
 int count_absent(const ImageView& luma, const CameraModel& camera, const LandmarkGeometry& landmark,
                  const CameraFromLandmark& T_camera_landmark, const std::array<double, kDotCount>& visible_share,
                  const OutlineFit& fit) noexcept {
-  const auto is_missing = [&](std::size_t dot) { return visible_share[dot % kRingDotCount] < kThere; };
+  std::array<bool, kRingDotCount> is_there;
+  for (std::size_t dot = 0; dot < kRingDotCount; ++dot) is_there[dot] = visible_share[dot] >= kThere;
+  const auto is_missing = [&](std::size_t dot) { return !is_there[dot % kRingDotCount]; };
   const SheetLight light{luma, camera, T_camera_landmark, fit};
+  const auto paper = darkness_of_paper(light, landmark, is_there);
   int absent = 0, blank = 0;
   for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
     const bool before = is_missing(dot + 7), after = is_missing(dot + 1);
     const bool row_is_short = !(before && (after || is_missing(dot + 6))) && !(after && is_missing(dot + 2));
     if (!is_missing(dot)) continue;
-    const auto middle = light.darkness_at(landmark.centre_m(dot));
+    const auto is_paper = [&](const Eigen::Vector2d& plane_m) {
+      const auto darkness = light.darkness_at(plane_m);
+      return darkness && std::abs(*darkness - paper[dot]) < kPaper;
+    };
     int bare = 0, inked = 0;
     for (int i = 0; i < kDirections; ++i) {
-      const double a_rad = i * 2 * std::numbers::pi / kDirections;
-      const auto at = [&](double radii) -> Eigen::Vector2d {
-        return landmark.centre_m(dot) +
-               radii * landmark.dot_radius_m * Eigen::Vector2d(std::cos(a_rad), std::sin(a_rad));
-      };
-      const auto inside = light.darkness_at(at(kInside));
-      bare += inside && std::abs(*inside) < kPaper;
-      for (const double radii : kBeside) inked += light.darkness_at(at(radii)) > kInk;
+      bare += is_paper(beside(landmark, dot, i, kInside));
+      for (const double radii : kBeside) inked += light.darkness_at(beside(landmark, dot, i, radii)) > kInk;
     }
     if (row_is_short && bare >= kLeastBare && inked >= kLeastInked) ++absent;
-    blank += visible_share[dot] < kMinVisible && bare == kDirections && middle && std::abs(*middle) < kPaper;
+    blank += visible_share[dot] < kMinVisible && bare == kDirections && is_paper(landmark.centre_m(dot));
   }
   if (is_centre_aside(light, landmark)) ++absent;
-  return absent + (blank >= kLeastBlank ? blank : 0);
+  const bool few = std::ranges::count(is_there, true) <= kFewDots;
+  return absent + (blank >= (few ? kLeastBlankOfFew : kLeastBlank) ? blank : 0);
 }
 
 }  // namespace ninedot

@@ -231,11 +231,12 @@ VisibleShares all_but(std::initializer_list<std::size_t> dots, double share) {
 
 /// By one of the counting functions alone, at the pose of the landmark itself: what is said to be visible is taken so.
 template <typename Count>
-int counted_on(const test::Sheet& sheet, const VisibleShares& visible, Count count) {
+int counted_on(const test::Sheet& sheet, const VisibleShares& visible, Count count, const test::Light& light = {}) {
   test::Scene scene;
   scene.camera = test::look_at_landmark(kUsual);
   set_noise(scene.sensor, 1.5);
   scene.sheets = {sheet};
+  scene.light = light;
   const test::Picture picture = test::render(scene, 1);
   const auto whole = look_at(test::nine_dot_sheet(), kUsual);
   return count(picture.view(), CameraModel{}, LandmarkGeometry{}, whole->candidate.outlines.T_camera_landmark, visible,
@@ -272,8 +273,8 @@ TEST(CountSpots, TakesWhatLiesAcrossForOneAtMost) {
   EXPECT_TRUE(look_at(dirty, kUsual)->fits) << "a fly on the sheet";
 }
 
-int absent_of(const test::Sheet& sheet, std::initializer_list<std::size_t> missing) {
-  return counted_on(sheet, all_but(missing, 0), count_absent);
+int absent_of(const test::Sheet& sheet, std::initializer_list<std::size_t> missing, const test::Light& light = {}) {
+  return counted_on(sheet, all_but(missing, 0), count_absent, light);
 }
 
 TEST(CountAbsent, AsksForPaperInTheDotsPlaceAndInkBesideIt) {
@@ -286,6 +287,16 @@ TEST(CountAbsent, AsksForPaperInTheDotsPlaceAndInkBesideIt) {
   EXPECT_EQ(absent_of(hidden, {2}), 0) << "a grey thing before it";
   hidden.discs.back().reflectance = hidden.reflectance;
   EXPECT_EQ(absent_of(hidden, {2}), 0) << "a white thing before it: no ink beside";
+}
+
+TEST(CountAbsent, TakesThePaperOfItsNeighboursForTheDots) {
+  for (const double slope_per_m : {-6.0, 6.0}) {
+    test::Light light;
+    light.level = 0.6, light.gradient_x_per_m = slope_per_m;
+    for (const std::size_t dot : {2UL, 6UL})
+      EXPECT_EQ(absent_of(with_moved_dot(dot, 0, 2), {dot}, light), 1) << slope_per_m << " per m, dot " << dot;
+    EXPECT_EQ(absent_of(test::nine_dot_sheet(), {2, 6}, light), 0) << slope_per_m << " per m";
+  }
 }
 
 TEST(CountAbsent, AsksWhetherTheCentreIsPrintedAside) {
@@ -306,6 +317,13 @@ TEST(CountAbsent, CountsDotsThatAreNotThereWhereNothingButPaperIs) {
   EXPECT_EQ(absent_of(half, {1, 2, 3, 4}), 4);
   half.discs.push_back({kRing_m, 0, 5 * kDot_m, 0.3});
   EXPECT_EQ(absent_of(half, {1, 2, 3, 4}), 0) << "a grey thing before most of them";
+}
+
+TEST(CountAbsent, AsksForOneLessWhereFewAreThere) {
+  test::Sheet few = test::nine_dot_sheet();
+  few.discs.erase(few.discs.begin() + 1, few.discs.begin() + 3);
+  EXPECT_EQ(absent_of(few, {1, 2}), 0);
+  EXPECT_EQ(absent_of(few, {1, 2, 5}), 2);
 }
 
 TEST(CountAbsent, LeavesLongRowsToWhatHidesThem) {
