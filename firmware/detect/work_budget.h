@@ -14,7 +14,8 @@ struct WorkBudget {
   int second_guesses = 40;  ///< the same, kept back for find_more_landmarks
   /// Pixels fitted to outlines (outline_refiner.h), one per pixel and stage, about 430. A usual landmark takes 8,000;
   /// one that fills the picture is fitted to every second or third pixel instead. What comes of it is looked at once
-  /// more, for the shape of its dots, which is not counted.
+  /// more, for the shape of its dots, which is not counted. Where shadows cross its dots, their edges are fitted with
+  /// what is left (light_edge.h).
   int pixels = 26'000;
   /// Something was left out because an allowance was used up. The next picture's search begins with it.
   bool is_overdrawn = false;

@@ -36,6 +36,8 @@ constexpr double kBeyondDoubt_chi2 = 1000;
 constexpr double kCloseStart_px = 0.4;
 // Edges of light cross a few dots. Where they seem to cross more, the outlines weren't where they were expected.
 constexpr int kMostShadowed = 4;
+// Of six freedoms: exceeded once in 5000 by what noise makes of the first pose, which the second one knows in part.
+constexpr double kNearby_chi2 = 26;
 // Of the centroids' residual: what of it may be the sheet's warp or a shadow's pull, the rest being noise.
 constexpr double kWarpShare = 0.5;
 
@@ -59,6 +61,14 @@ void list_by_fit(PoseCandidate best, std::optional<PoseCandidate> mirror, PoseCa
   if (mirror) (void)candidates.list.try_push_back(*mirror);
 }
 
+/// Whether the second pose lies where the first one says that the truth may be.
+bool is_nearby(const PoseEstimate& first, const PoseEstimate& second) noexcept {
+  Vector6d apart;
+  apart << second.T_landmark_camera.translation_m - first.T_landmark_camera.translation_m,
+      log_so3(first.T_landmark_camera.rotation.transpose() * second.T_landmark_camera.rotation);
+  return apart.dot(first.covariance.ldlt().solve(apart)) < kNearby_chi2;
+}
+
 }  // namespace
 
 struct FullSolver::Workspace {
@@ -69,7 +79,8 @@ struct FullSolver::Workspace {
         options(solver_options),
         rays(camera_model),
         first(camera, landmark, rays),
-        second(camera, landmark, rays) {}
+        second(camera, landmark, rays),
+        shadowed(camera, landmark, rays) {}
 
   Eigen::Vector2d ray_at_middle(const LandmarkObservation& seen, std::size_t dot, const Eigen::Vector2d& ray,
                                 double row_px, const SheetMotion& motion) const noexcept;
@@ -82,12 +93,13 @@ struct FullSolver::Workspace {
   double believable(double chi2_above, const OutlineState& other) const noexcept;
   std::optional<PoseCandidate> weigh_mirror(const ImageView& luma, const PosePrior* prior, double warp_px,
                                             int& pixels) noexcept;
+  void fit_shadows(const ImageView& luma, double warp_px, int& pixels, PoseCandidate& candidate) noexcept;
 
   CameraModel camera;
   LandmarkGeometry landmark;
   FullSolverOptions options;
   RayTable rays;
-  OutlineRefiner first, second;  ///< scratch
+  OutlineRefiner first, second, shadowed;  ///< scratch
 };
 
 /// Where a dot would have been seen while the middle row was exposed. The detector's map tells its depth well enough.
@@ -221,6 +233,28 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
   return mirror;
 }
 
+/// The pose once more where shadows cross its dots, with their edges. Whether it is a landmark, and which of its
+/// readings, is asked without: an edge of light explains much of what is none.
+void FullSolver::Workspace::fit_shadows(const ImageView& luma, double warp_px, int& pixels,
+                                        PoseCandidate& candidate) noexcept {
+  using Refiner = OutlineRefiner;
+  // A quarter is kept: other landmarks may come after this one, and without this a frame lacks nothing.
+  const int kept = pixels / 4;
+  int own = pixels - kept;
+  const bool has_converged =
+      shadowed.refine(luma, candidate.outlines, Refiner::Start::kClose, warp_px, own, Refiner::Shadows::kFitEdges)
+          .has_converged();
+  pixels = kept + std::max(own, 0);
+  if (!has_converged || !shadowed.has_light_edges()) return;
+  const PoseCandidate better = candidate_of(shadowed, camera, landmark);
+  if (!is_nearby(candidate.pose, better.pose)) return;
+  candidate.pose.T_landmark_camera = better.pose.T_landmark_camera;
+  candidate.pose.covariance = better.pose.covariance;
+  candidate.pose.ellipse = better.pose.ellipse;
+  candidate.outlines = better.outlines;
+  candidate.dots = better.dots;
+}
+
 FullSolver::FullSolver(const CameraModel& camera, const LandmarkGeometry& landmark, const FullSolverOptions& options)
     : workspace_(std::make_unique<Workspace>(camera, landmark, options)) {}
 
@@ -256,7 +290,9 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
     if (reading.refined && reading.chi2_above < kUndecided_chi2)
       if (const auto usable = check_pose(reading.pose, w.camera, w.landmark, w.options.most_sigma); !usable)
         return tl::unexpected<Error>(usable.error());
-  candidates.list[0].shape = (mirror_is_better ? w.second : w.first).shape();
+  const OutlineRefiner& chosen = mirror_is_better ? w.second : w.first;
+  candidates.list[0].shape = chosen.shape();
+  if (chosen.shadowed_dots() > 0) w.fit_shadows(luma, candidates.warp_px, pixels, candidates.list[0]);
   return candidates;
 }
 
@@ -276,8 +312,11 @@ Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const PoseExpec
   if (!expected.includes(believed)) return lost;  // before its mirror image takes the pixels that a search will need
   const auto mirror = w.weigh_mirror(luma, &prior, prior.warp_px, pixels);
   if (pixels <= 0 && mirror && !mirror->refined) return lost;
+  const bool mirror_is_better = mirror && mirror->refined && mirror->chi2_above < 0;
   list_by_fit(believed, mirror, candidates);
   if (!expected.includes(candidates.list[0])) return lost;
+  if ((mirror_is_better ? w.second : w.first).shadowed_dots() > 0)
+    w.fit_shadows(luma, candidates.warp_px, pixels, candidates.list[0]);
   return candidates;
 }
 

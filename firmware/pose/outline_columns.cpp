@@ -136,7 +136,8 @@ struct Profile {
   float per_slope;     ///< 1 / |grad| [px / m]
   Blur blur;
   float k1, k2, narrowing, straight, met;
-  float distance;  ///< signed, in units of the blur
+  float distance;              ///< signed, in units of the blur
+  float outward_x, outward_y;  ///< in the picture [1]
 };
 
 // A Gaussian blur along the outline reaches over its bend: with the curvature k in units of the blur, the edge is met
@@ -163,7 +164,80 @@ inline Profile profile_at(const DotView& v, float mx, float my) noexcept {
   const float narrowing = 1 / std::sqrt(1 + k2);
   const float straight = ((rho - v.radius_m) * per_slope - v.offset_px) * blur.per_px;
   const float met = straight + k1 * (0.5F + 0.75F * k2);
-  return {A, B, eX, eZ, along, per_slope, blur, k1, k2, narrowing, straight, met, met * narrowing};
+  const float per_steep = 1 / steep;
+  return {A,
+          B,
+          eX,
+          eZ,
+          along,
+          per_slope,
+          blur,
+          k1,
+          k2,
+          narrowing,
+          straight,
+          met,
+          met * narrowing,
+          gradient_x * per_steep,
+          gradient_y * per_steep};
+}
+
+/// From the outline outwards: how far, in sigmas of the blur, and which way, as long as a sigma. [px]
+inline void look_outward(const Pixels& some, const DotView& v, Lanes& outside, Lanes& x_px, Lanes& y_px) noexcept {
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const Profile p = profile_at(v, some.ray_x[l], some.ray_y[l]);
+    outside[l] = p.distance;
+    x_px[l] = p.outward_x * p.blur.sigma_px, y_px[l] = p.outward_y * p.blur.sigma_px;
+  }
+}
+
+/// A shadow's edge, as the group sees it.
+struct EdgeView {
+  EdgeView(const LightEdge& edge, const OutlineGroup& group, float lit_ink_share) noexcept
+      : across_x(static_cast<float>(edge.normal.x())),
+        across_y(static_cast<float>(edge.normal.y())),
+        middle_x(group.centre_x_px),
+        middle_y(group.centre_y_px),
+        place_px(static_cast<float>(edge.offset_px -
+                                    edge.normal.dot(Eigen::Vector2d(group.centre_x_px, group.centre_y_px)))),
+        per_width(static_cast<float>(1 / edge.width_px)),
+        lit_ink(lit_ink_share) {
+    const double larger_lsb = std::max(std::hypot(edge.paper_lsb, edge.ink_lsb), 1.0);
+    paper = static_cast<float>(edge.paper_lsb / larger_lsb), ink = static_cast<float>(edge.ink_lsb / larger_lsb);
+    more_contrast = static_cast<float>(edge.more_contrast);
+  }
+  float across_x, across_y, middle_x, middle_y, place_px, per_width, lit_ink;
+  float paper, ink;  ///< of the larger step
+  float more_contrast;
+};
+
+/// In place of the slopes: the columns of an edge of the light, and of its own place, direction and width. Beyond it an
+/// outline that moves changes more, or less.
+inline void fill_edge(const Pixels& some, const EdgeView& edge, const DotView& v, bool is_small,
+                      OutlineColumns& columns) noexcept {
+  Lanes contrast, outside{}, out_x{}, out_y{};
+  if (!is_small) look_outward(some, v, outside, out_x, out_y);
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const float ink = columns[kInkColumn][l], paper = some.there[l] - ink;
+    const float dx = some.x_px[l] - edge.middle_x, dy = some.y_px[l] - edge.middle_y;
+    const float u = (edge.across_x * dx + edge.across_y * dy - edge.place_px) * edge.per_width;
+    const auto [density, tail] = normal_tail(u);
+    const float beyond = u > 0 ? 1 - tail : tail;
+    const float same_way = (edge.across_x * out_x[l] + edge.across_y * out_y[l]) * edge.per_width;
+    const float both = some.there[l] * ink_beyond(beyond, ink, u, outside[l], density * normal_tail(outside[l]).density,
+                                                  same_way < -1  ? -1
+                                                  : same_way > 1 ? 1
+                                                                 : same_way);
+    const float step = density * edge.per_width * (edge.paper * paper + edge.ink * ink);
+    contrast[l] = 1 + edge.more_contrast * beyond;
+    columns[kBeyondEdgeColumn][l] = beyond * some.there[l] - both + edge.lit_ink * both;
+    columns[kInkBeyondEdgeColumn][l] = static_cast<float>(kInkOfItsOwn) * both;
+    columns[kEdgePlaceColumn][l] = step;
+    columns[kEdgeTurnColumn][l] = kSlopeUnit * step * (edge.across_x * dy - edge.across_y * dx);
+    columns[kEdgeWidthColumn][l] = step * u;
+  }
+  for (std::size_t unknown = 0; unknown < kUnknowns; ++unknown)
+    for (std::size_t l = 0; l < kLanes; ++l) columns[kStateColumn + unknown][l] *= contrast[l];
 }
 
 /// Of an outline that is long beside its blur: the profile across it.
@@ -212,6 +286,7 @@ void fill(const OutlinePixels& pixels, const OutlineGroup& group, const DotView&
   // (a followed frame takes a seventh less of them).
   const DotView v = dot_view;  // NOLINT(performance-unnecessary-copy-initialization)
   const float first_luma = pixels.luma[static_cast<std::size_t>(group.first)];
+  const std::optional<LightEdge>& edge = pixels.light_edges[group.dot];
   for (std::size_t batch = 0; batch * kLanes < range.count; ++batch) {
     const Pixels some(pixels, range.first + batch * kLanes * range.every,
                       std::min(kLanes, range.count - batch * kLanes), range.every);
@@ -220,6 +295,8 @@ void fill(const OutlinePixels& pixels, const OutlineGroup& group, const DotView&
     else
       fill_profile<kAsked>(some, v, batches[batch]);
     fill_light(some, group, v, first_luma, batches[batch]);
+    if (group.whole_dot && edge)
+      fill_edge(some, EdgeView(*edge, group, pixels.lit_ink()), v, disc.is_small(), batches[batch]);
   }
 }
 
@@ -264,6 +341,13 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
   blur_cos_px2 = static_cast<float>(state.blur_cos_px2), blur_sin_px2 = static_cast<float>(state.blur_sin_px2);
   offset_px = static_cast<float>(state.offset_px);
   ink_share = pixels.ink_share;
+}
+
+void look_outward(const OutlinePixels& pixels, const DotView& view, PixelRange range, std::span<Lanes> outside,
+                  std::span<Lanes> x_px, std::span<Lanes> y_px) noexcept {
+  for (std::size_t batch = 0; batch * kLanes < range.count; ++batch)
+    look_outward(Pixels(pixels, range.first + batch * kLanes, std::min(kLanes, range.count - batch * kLanes), 1), view,
+                 outside[batch], x_px[batch], y_px[batch]);
 }
 
 NINEDOT_VECTOR_CLONES

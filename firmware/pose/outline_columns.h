@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "base/inline_vector.h"
 #include "pose/blurred_disc.h"
@@ -26,7 +27,12 @@ inline constexpr std::size_t kStateColumn = kPatternColumns, kGreyColumn = kStat
 inline constexpr std::size_t kPaperColumn = kGreyColumn + 1, kInkColumn = kGreyColumn + 2,
                              kBeyondColumn = kGreyColumn + 3, kSlopeXColumn = kGreyColumn + 4,
                              kSlopeYColumn = kGreyColumn + 5;
-inline constexpr std::size_t kColumns = kGreyColumn + 6;
+/// Of a dot that a shadow's edge crosses: how much brighter paper, and ink with it, is beyond it, and how much ink is
+/// by itself, in place of the slopes; then the edge's own: its place, direction and width.
+inline constexpr std::size_t kBeyondEdgeColumn = kSlopeXColumn, kInkBeyondEdgeColumn = kSlopeYColumn,
+                             kEdgePlaceColumn = kGreyColumn + 6, kEdgeTurnColumn = kGreyColumn + 7,
+                             kEdgeWidthColumn = kGreyColumn + 8;
+inline constexpr std::size_t kColumns = kGreyColumn + 9;
 using OutlineColumns = std::array<Lanes, kColumns>;
 /// So many are filled at a time: a small dot's pixels are through in one go, and the buffer stays in the nearest cache.
 inline constexpr std::size_t kMaxBatches = 8;
@@ -71,6 +77,11 @@ struct PixelRange {
 /// times the angle [1/px]. Memory: none. Threads: pure.
 void fill_columns(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& view, const BlurredDisc& disc,
                   PixelRange range, Asked asked, ColumnBatches& batches) noexcept;
+
+/// From the outline of a dot outwards: how far, in sigmas of the blur, and which way, as long as a sigma [px]. A batch
+/// each; `range` takes every pixel. \param outside  [1]. Memory: none. Threads: pure.
+void look_outward(const OutlinePixels& pixels, const DotView& view, PixelRange range, std::span<Lanes> outside,
+                  std::span<Lanes> x_px, std::span<Lanes> y_px) noexcept;
 
 /// Fills the columns of a colour camera's pattern, and no others. Interpolation blurs each colour most where it is not
 /// seen: by half a pixel squared more or less, all ways where red and blue are, along or across where green is, at

@@ -13,10 +13,10 @@
 namespace ninedot {
 namespace {
 
-// Semi-minor axis; larger dots are cut into stretches of kSector_px. Each has two grey levels of its own, which take
-// half of what its pixels say of the outline's place; a whole dot's opposite sides share them. P9, of which a part is
-// often all that is in sight of half a landmark, is cut sooner.
-constexpr double kWholeDotBelow_px = 12.0, kWholeCentreBelow_px = 7.0;
+// Semi-minor axis; larger dots (of the ring from kWholeDotBelow_px) are cut into stretches of kSector_px. Each has two
+// grey levels of its own, which take half of what its pixels say of the outline's place; a whole dot's opposite sides
+// share them. P9, of which a part is often all that is in sight of half a landmark, is cut sooner.
+constexpr double kWholeCentreBelow_px = 7.0;
 constexpr double kSector_px = 12.0;    // in a band of 5 px 60 pixels, enough for two grey levels and a shift of 0.01 px
 constexpr double kBlurReach_px = 2.0;  // beyond the band, from where an edge still changes the band's outermost pixels
 // A neighbour's blurred ink is a hundredth of its contrast at three quarters of the band: 2.3 sigmas of the blur.
@@ -77,8 +77,8 @@ RowShift shift_rows(const CameraFromLandmark& T, const Eigen::Vector2d& centre_m
           static_cast<float>(motion.middle_row_px)};
 }
 
-bool is_small(const DotEllipse& e, std::size_t dot) noexcept {
-  return e.semi_minor_px < (dot == kCentreDot ? kWholeCentreBelow_px : kWholeDotBelow_px);
+bool is_small(const DotEllipse& e, std::size_t dot, Cut cut) noexcept {
+  return e.semi_minor_px < (dot == kCentreDot && cut != Cut::kWhole ? kWholeCentreBelow_px : kWholeDotBelow_px);
 }
 
 /// Where rows cross the ellipses |M (x - c)| = factor. With the columns a, b of M: |a dx + b dy| = factor.
@@ -299,10 +299,10 @@ bool append_sorted(const ImageView& luma, const RayTable& rays, const DotBand& d
 
 /// Appends one dot's pixels as groups. \return false when they do not fit
 bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e, const Neighbours& neighbours,
-                const RowShift& shift, std::uint8_t dot, double band_px, int thin, bool split, bool at_paper_edge,
+                const RowShift& shift, std::uint8_t dot, double band_px, int thin, Cut cut, bool at_paper_edge,
                 OutlinePixels& out) noexcept {
-  const bool small = is_small(e, dot);
-  const bool whole = small && !(split && e.semi_minor_px > kSplitAbove_px);
+  const bool small = is_small(e, dot, cut);
+  const bool whole = small && !(cut == Cut::kSectors && e.semi_minor_px > kSplitAbove_px);
   const double length_px = std::numbers::pi * (e.semi_major_px + e.semi_minor_px);
   const std::size_t sectors =
       whole   ? 1
@@ -333,8 +333,8 @@ bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e
 
 void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, const RayTable& rays,
                             const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark,
-                            double band_px, int thinning, const std::array<bool, kDotCount>& split,
-                            const SheetMotion& motion, OutlinePixels& out) noexcept {
+                            double band_px, int thinning, const Cuts& cuts, const SheetMotion& motion,
+                            OutlinePixels& out) noexcept {
   out.count = 0;
   out.groups.clear();
   out.visible_outlines = 0;
@@ -350,8 +350,9 @@ void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, co
       shifts[dot] =
           shift_rows(T_camera_landmark, landmark.centre_m(dot), motion, ellipses[dot], out.normalised_per_px[dot]);
     const DotEllipse& e = ellipses[dot];
-    expected += is_small(e, dot) ? std::numbers::pi * (e.semi_major_px + band_px) * (e.semi_minor_px + band_px)
-                                 : std::numbers::pi * (e.semi_major_px + e.semi_minor_px) * 2 * band_px;
+    expected += is_small(e, dot, cuts[dot])
+                    ? std::numbers::pi * (e.semi_major_px + band_px) * (e.semi_minor_px + band_px)
+                    : std::numbers::pi * (e.semi_major_px + e.semi_minor_px) * 2 * band_px;
   }
   const int thin = std::max(thinning, 1 + static_cast<int>(1.1 * expected / static_cast<double>(out.luma.size())));
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
@@ -364,7 +365,7 @@ void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, co
       if (other != dot && in_front[other] && are_close(ellipses[dot], ellipses[other], (1 + kReachOfBand) * band_px))
         (void)neighbours.try_push_back(&ellipses[other]);  // as many as dots
     if (!append_dot(luma, rays, ellipses[dot], neighbours, shifts[dot], static_cast<std::uint8_t>(dot), band_px, thin,
-                    split[dot], at_paper_edge, out))
+                    cuts[dot], at_paper_edge, out))
       return;
     out.visible_outlines += out.groups.size() > before;
   }

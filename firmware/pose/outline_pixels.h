@@ -2,6 +2,7 @@
 /// The pixels along the outlines of the nine dots, gathered into groups that share their light.
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/inline_vector.h"
@@ -10,6 +11,7 @@
 #include "geometry/sheet_motion.h"
 #include "geometry/transform.h"
 #include "image/image_view.h"
+#include "pose/light_edge.h"
 #include "pose/ray_table.h"
 
 namespace ninedot {
@@ -25,6 +27,16 @@ struct OutlineGroup {
   float centre_x_px = 0, centre_y_px = 0;  ///< of its pixels
 };
 
+/// Whether a dot is one group or is cut into sectors.
+enum class Cut : std::uint8_t {
+  kBySize,   ///< large ones are cut, P9 sooner than the others, for it may be all that is in sight and be half hidden
+  kWhole,    ///< crossed by a shadow's edge that is known: one group, P9 as well while it is no larger than the others
+             ///< may be
+  kSectors,  ///< crossed by edges that are not known: cut although it is small
+};
+using Cuts = std::array<Cut, kDotCount>;
+inline constexpr double kWholeDotBelow_px = 12.0;  ///< semi-minor axis: no larger dot is one group
+
 inline constexpr std::size_t kMaxSectors = 16;  ///< of one dot
 inline constexpr std::size_t kMaxGroups = kDotCount * kMaxSectors;
 
@@ -36,8 +48,12 @@ struct OutlinePixels {
   std::vector<float> x_px, y_px, ray_x, ray_y, luma;  ///< position, normalised ray (distortion removed), grey level
   std::size_t count = 0;
   InlineVector<OutlineGroup, kMaxGroups> groups;
+  /// Of each dot that is one group: the edge of a shadow that crosses it.
+  std::array<std::optional<LightEdge>, kDotCount> light_edges;
   /// By how much ink's grey level changes where the light does, when paper's changes by 1.
   float ink_share = 0;
+  /// [1] The same, also of a guess.
+  float lit_ink() const noexcept { return ink_share > 0 ? ink_share : kUsualInkShare; }
   /// d(ray)/d(pixel) at each dot's centre.
   std::array<Eigen::Matrix2d, kDotCount> normalised_per_px;
   /// A dot's pixels before they are sorted into its groups.
@@ -52,13 +68,13 @@ struct OutlinePixels {
 
 /// Collects the pixels within `band_px` of every dot's outline as the pose predicts it.
 /// \param thinning  1 = every pixel, 2 = every second one, ...
-/// \param split  dots to cut into sectors even when they are small, because a shadow's edge crosses them
+/// \param cuts  of each dot
 /// \param motion  of the sheet while the rows are exposed: rays are those that the pixels would have, had the sheet
 /// stood where the pose says
 /// Above the capacity of `out`, large dots are thinned to every second or third pixel instead of being cut off.
 void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, const RayTable& rays,
                             const LandmarkGeometry& landmark, const CameraFromLandmark& T_camera_landmark,
-                            double band_px, int thinning, const std::array<bool, kDotCount>& split,
-                            const SheetMotion& motion, OutlinePixels& out) noexcept;
+                            double band_px, int thinning, const Cuts& cuts, const SheetMotion& motion,
+                            OutlinePixels& out) noexcept;
 
 }  // namespace ninedot

@@ -57,6 +57,10 @@ constexpr double kExpectedReach_px = 1, kExpectedClose_px = 0.25, kExpectedSecon
 // Outlines that are not where they were expected look blurred, and take three times the pixels at last. Motion that
 // begins between two frames doubles the band at most.
 constexpr double kExpectedWider = 2;
+// By so much an edge of light that no model explains may seem to move each of a dot's sectors: 1 sigma.
+constexpr double kCutMoves_px = 0.05;
+// To look for a shadow's edge costs as much as to fit so many times the dot's pixels.
+constexpr int kNewEdge = 8, kMovedEdge = 2;
 // The weights were of the place before a step: where the step before it was longer than this, they are out of date.
 constexpr double kCalm_px = 0.03;
 // Of P9's short semi-axis, and for the noise of a small one: an outline that lies further off is not P9's, whatever its
@@ -82,13 +86,15 @@ OutlineRefiner::OutlineRefiner(const CameraModel& camera, const LandmarkGeometry
     : camera_(camera), landmark_(landmark), rays_(rays), pixels_(kMaxPixels) {}
 
 const OptimiserStatistics& OutlineRefiner::refine(const ImageView& luma, const OutlineState& start, Start quality,
-                                                  double warp_px, int& pixels) noexcept {
+                                                  double warp_px, int& pixels, Shadows shadows) noexcept {
   luma_ = luma;
+  shadows_ = shadows;
   pixels_left_ = pixels;
   state_ = start;
   quality_ = quality;
   warp_px_ = warp_px;
-  split_.fill(false);
+  cuts_.fill(Cut::kBySize);
+  pixels_.light_edges.fill(std::nullopt);
   look_ = {};
   // What is about where it was foretold is seen as it was; of a guess that is not, slopes of the ink are misfit.
   pixels_.ink_share = quality == Start::kExpected ? kUsualInkShare : 0;
@@ -114,7 +120,7 @@ bool OutlineRefiner::look_again_if_stale(int stage) noexcept {
   if (!stale) return true;
   look_ = {band_px, 0, stage == kRoughStage, false};
   const auto collect = [&](int thinning) {
-    collect_outline_pixels(luma_, camera_, rays_, landmark_, state_.T_camera_landmark, band_px, thinning, split_,
+    collect_outline_pixels(luma_, camera_, rays_, landmark_, state_.T_camera_landmark, band_px, thinning, cuts_,
                            state_.motion, pixels_);
   };
   collect(look_.thinned ? kRoughThinning : 1);
@@ -134,12 +140,51 @@ bool OutlineRefiner::linearise(int stage) noexcept {
   linearised_at_ = state_;
   const auto groups = pixels_.groups.span();
   GroupFitter fitter(pixels_, landmark_, state_, Asked::kState);
-  for (std::size_t g = 0; g < groups.size(); ++g) fitter.fit(groups[g], fits_[g], every);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    std::optional<LightEdge>& edge = pixels_.light_edges[groups[g].dot];
+    // Where the outline is now, the edge is elsewhere too.
+    if (groups[g].whole_dot && edge) {
+      pixels_left_ -= kMovedEdge * groups[g].count;
+      if (const auto moved = fitter.find_edge(groups[g], &*edge)) edge = moved;
+    }
+    fitter.fit(groups[g], fits_[g], every);
+    if (shadows_ == Shadows::kFitEdges && cuts_[groups[g].dot] == Cut::kSectors)
+      fits_[g].light_px2 = kCutMoves_px * kCutMoves_px;
+  }
   weigh_groups(groups, fits_, std::max(stage_of(stage).shift_floor_px, warp_px_), weights_);
   // An outline that is not where it is looked for fits as badly as one that a shadow's edge crosses.
-  look_.split_since = stage_of(stage).may_split && !is_first_of_expectation(stage) &&
-                      split_shadowed_dots(groups, fits_, weights_.noise_variance_lsb2, split_);
+  look_.split_since = stage_of(stage).may_split && !is_first_of_expectation(stage) && follow_shadows();
   return true;
+}
+
+/// Finds the edges of shadows that cross dots; cuts into sectors where one edge is not enough.
+/// \return  whether there is something new
+bool OutlineRefiner::follow_shadows() noexcept {
+  bool is_new = false;
+  GroupFitter fitter(pixels_, landmark_, state_, Asked::kLightOnly);
+  const auto groups = pixels_.groups.span();
+  const double noise_lsb2 = weights_.noise_variance_lsb2;
+  const auto is_dark = [&](const GroupFit& fit) {
+    return fit.usable && is_shadowed(fit.squared_residuals / fit.degrees_of_freedom, fit.contrast_lsb, noise_lsb2);
+  };
+  for (std::size_t g = 0, end; g < groups.size(); g = end) {
+    // The groups of a dot come one after another, and so do their pixels.
+    OutlineGroup dot = groups[g];
+    bool any_dark = false;
+    for (end = g; end < groups.size() && groups[end].dot == dot.dot; ++end) any_dark = any_dark || is_dark(fits_[end]);
+    Cut& cut = cuts_[dot.dot];
+    const bool may_have_edge = shadows_ == Shadows::kFitEdges && semi_minor_px(dot.dot) < kWholeDotBelow_px;
+    if (!any_dark || cut == Cut::kSectors || !(dot.whole_dot || may_have_edge)) continue;
+    dot.count = groups[end - 1].first + groups[end - 1].count - dot.first;
+    std::optional<LightEdge>& edge = pixels_.light_edges[dot.dot];
+    const bool has_none = edge || dot.at_paper_edge || !may_have_edge;
+    if (!has_none) pixels_left_ -= kNewEdge * dot.count;
+    edge = has_none ? std::nullopt : fitter.find_edge(dot, nullptr);
+    if (edge && is_shadowed(edge->variance_lsb2, weights_.fit.contrast_lsb, noise_lsb2)) edge.reset();
+    cut = edge ? Cut::kWhole : Cut::kSectors;
+    is_new = is_new || edge || dot.whole_dot;
+  }
+  return is_new;
 }
 
 StepVerdict OutlineRefiner::solve(int stage, Step& step) noexcept {
@@ -152,7 +197,7 @@ StepVerdict OutlineRefiner::solve(int stage, Step& step) noexcept {
   expectation_is_close_ = off_px < kExpectedClose_px;
   if (!expectation_is_close_) return StepVerdict::kGoOn;
   weigh_groups(pixels_.groups.span(), fits_, std::max(kStages.back().shift_floor_px, warp_px_), weights_);
-  look_.split_since = split_shadowed_dots(pixels_.groups.span(), fits_, weights_.noise_variance_lsb2, split_);
+  look_.split_since = follow_shadows();
   return solve_equations(kFreeSigma, step) ? StepVerdict::kGoOn : StepVerdict::kUndetermined;
 }
 
@@ -300,7 +345,19 @@ DotSightings OutlineRefiner::dots() const noexcept {
   return dots;
 }
 
-int OutlineRefiner::shadowed_dots() const noexcept { return static_cast<int>(std::ranges::count(split_, true)); }
+int OutlineRefiner::shadowed_dots() const noexcept {
+  int shadowed = 0;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) shadowed += cuts_[dot] != Cut::kBySize;
+  return shadowed;
+}
+
+bool OutlineRefiner::has_light_edges() const noexcept {
+  return std::ranges::any_of(pixels_.light_edges, [](const auto& edge) { return edge.has_value(); });
+}
+
+double OutlineRefiner::semi_minor_px(std::size_t dot) const noexcept {
+  return foreshortening(state_.T_camera_landmark) * dot_radius_px() * landmark_.radius_m(dot) / landmark_.dot_radius_m;
+}
 
 double OutlineRefiner::dot_radius_px() const noexcept {
   return camera_.fx_px * landmark_.dot_radius_m / state_.T_camera_landmark.translation_m.norm();

@@ -28,11 +28,17 @@ class OutlineRefiner {
     kExpected,  ///< the same, foretold and not seen: given up where they turn out to be further off
   };
 
+  /// What becomes of small dots that a shadow's edge crosses.
+  enum class Shadows : std::uint8_t {
+    kCutDots,   ///< they are cut into sectors, each with light of its own
+    kFitEdges,  ///< one straight edge is fitted with each of them, where that explains its light
+  };
+
   /// \param warp_px  how far the dots may lie from where one flat sheet shows them, before any is an outlier
   /// \param pixels  how many pixels it may fit, each counted once per stage; fewer afterwards. Used up, it leads
   /// nowhere. \return  how it went; unless it has converged the rest means nothing
   const OptimiserStatistics& refine(const ImageView& luma, const OutlineState& start, Start quality, double warp_px,
-                                    int& pixels) noexcept;
+                                    int& pixels, Shadows shadows = Shadows::kCutDots) noexcept;
 
   /// How much worse `other` explains the pixels that this state was fitted to: difference of chi^2 [1].
   /// \param enough  where it is surely more than that, the answer may be anything in between [1]
@@ -48,8 +54,11 @@ class OutlineRefiner {
   /// Whether these are discs. Costs as much as a stage.
   OutlineShape shape() const noexcept;
 
-  /// How many of the smaller dots were cut into sectors, because a shadow's edge crosses them. 0..9
+  /// How many of the smaller dots a shadow's edge crosses: they were cut, or have an edge. 0..9
   int shadowed_dots() const noexcept;
+
+  /// Whether an edge of light explains one of them at least.
+  bool has_light_edges() const noexcept;
 
   /// Of the ring's dots, seen from in front. [px]
   double dot_radius_px() const noexcept;
@@ -79,6 +88,8 @@ class OutlineRefiner {
     bool thinned = false, split_since = false;
   };
   bool look_again_if_stale(int stage) noexcept;
+  bool follow_shadows() noexcept;
+  double semi_minor_px(std::size_t dot) const noexcept;
   bool solve_equations(double nuisance_sigma, Step& step) noexcept;
   bool is_first_of_expectation(int stage) const noexcept;
   /// Of a step's part that moves the pose: in units of the noise, and as a move of the outlines.
@@ -102,7 +113,8 @@ class OutlineRefiner {
   OutlinePixels pixels_;
   GroupFits fits_;
   OutlineWeights weights_;
-  std::array<bool, kDotCount> split_{};  // dots whose light is not smooth: cut into sectors although they are small
+  Cuts cuts_{};
+  Shadows shadows_ = Shadows::kCutDots;
   OutlineState state_, linearised_at_;
   UnknownVector last_step_ = UnknownVector::Zero();  // from there
   OptimiserStatistics statistics_;

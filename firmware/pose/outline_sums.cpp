@@ -22,6 +22,8 @@ constexpr double kRidge_px2 = 1e-3;
 /// Prior of the pattern: 1-sigma of what an interpolation by neighbours leaves in luma, in any ink (0.05 to 0.1).
 /// [px^2]
 constexpr double kPatternSigma_px2 = 0.1;
+/// A dot that is one group has no more pixels, unless it is seen from far aside.
+constexpr std::size_t kMostOfEdgedDot = 1024;
 constexpr double kRounding_lsb2 = 1.0 / 12;   // of whole grey levels
 constexpr std::size_t kVectorAlignment = 16;  // [B]
 
@@ -118,6 +120,9 @@ class Elimination {
       case 3:
         take_out<3>();
         break;
+      case 8:
+        take_out<8>();
+        break;
       default:
         take_out<5>();
         break;
@@ -206,22 +211,53 @@ void GroupFitter::look_at(const OutlineGroup& group) noexcept {
     before_interpolation_.emplace(pixels_, landmark_, before_interpolation(state_), dot_, Asked::kState);
 }
 
+std::optional<LightEdge> GroupFitter::find_edge(const OutlineGroup& group, const LightEdge* start) noexcept {
+  const auto first = static_cast<std::size_t>(group.first), count = static_cast<std::size_t>(group.count);
+  if (count > kMostOfEdgedDot) return std::nullopt;
+  look_at(group);
+  using Column = std::array<Lanes, kMostOfEdgedDot / kLanes>;
+  Column ink_share, outside{}, outward_x_px{}, outward_y_px{};
+  alignas(kVectorAlignment) ColumnBatches batches;
+  for (std::size_t at = 0; at < count; at += kLanes * kMaxBatches) {
+    const std::size_t used = std::min(kLanes * kMaxBatches, count - at);
+    fill_columns(pixels_, group, look_->view, look_->disc, {first + at, used, 1}, Asked::kLightOnly, batches);
+    for (std::size_t batch = 0; batch * kLanes < used; ++batch)
+      ink_share[at / kLanes + batch] = batches[batch][kInkColumn];
+  }
+  if (!look_->disc.is_small())
+    look_outward(pixels_, look_->view, {first, count, 1}, outside, outward_x_px, outward_y_px);
+  const auto of_group = [&](const std::vector<float>& column) { return std::span(column).subspan(first, count); };
+  const auto as_floats = [&](const Column& column) { return std::span(column.front().data(), count); };
+  return find_light_edge(
+      {of_group(pixels_.x_px), of_group(pixels_.y_px), of_group(pixels_.luma), as_floats(ink_share), as_floats(outside),
+       as_floats(outward_x_px), as_floats(outward_y_px), static_cast<double>(pixels_.lit_ink())},
+      start);
+}
+
 void GroupFitter::fit(const OutlineGroup& group, GroupFit& fit, std::size_t every) noexcept {
   fit.usable = false;
-  const std::size_t own = group.whole_dot ? 5 : group.at_paper_edge ? 3 : 2;  // paper, ink, beyond, two slopes
+  fit.light_px2 = 0;
+  const bool has_edge = group.whole_dot && pixels_.light_edges[group.dot];
+  // Paper, ink, beyond, two slopes; of an edge two levels and three of its own.
+  const std::size_t own = has_edge ? 8 : group.whole_dot ? 5 : group.at_paper_edge ? 3 : 2;
   const std::size_t count = (static_cast<std::size_t>(group.count) + every - 1) / every;
-  fit.degrees_of_freedom = static_cast<int>(count) - 2 - (group.whole_dot ? 2 : 0) - (group.at_paper_edge ? 1 : 0);
+  fit.degrees_of_freedom = static_cast<int>(count) - 2 -
+                           (has_edge          ? 5
+                            : group.whole_dot ? 2
+                                              : 0) -
+                           (group.at_paper_edge ? 1 : 0);
   if (fit.degrees_of_freedom < kLeastFreedom) return;
 
   // Stretches of long outlines meet the pattern everywhere. Thinned pixels show one half of it.
   const bool with_pattern = pixels_.has_pattern && group.whole_dot && every == 1 &&
                             fit.degrees_of_freedom >= kLeastFreedom + static_cast<int>(kPatternColumns);
+  if (has_edge) fit.light_px2 = square(pixels_.light_edges[group.dot]->moves_px);
   look_at(group);
   const std::size_t first = asked_ == Asked::kLightOnly ? kGreyColumn : kStateColumn, end = kPaperColumn + own;
   const ColumnRange asked{first, end};
   constexpr ColumnRange kPattern{0, kPatternColumns};
   ProductSums sums;
-  for (std::size_t i = first; i < end; ++i) std::fill_n(&sums[i][kStateColumn], kColumns - kStateColumn, 0.0);
+  for (std::size_t i = first; i < end; ++i) std::fill_n(&sums[i][kStateColumn], end - kStateColumn, 0.0);
   if (with_pattern)
     for (std::array<double, kColumns>& row : sums) std::fill_n(row.begin(), kPatternColumns, 0.0);
   alignas(kVectorAlignment) ColumnBatches batches;

@@ -16,6 +16,7 @@ struct GroupFit {
   double squared_residuals = 0;  ///< [LSB^2]
   double shift_px = 0;           ///< by how much its outline lies further out than the state says
   double shift_information = 0;  ///< inverse variance of shift_px, times the noise's variance [LSB^2 / px^2]
+  double light_px2 = 0;          ///< variance of shift_px by what the model of its light leaves
   double contrast_lsb = 0, paper_lsb = 0;
   int degrees_of_freedom = 0;
   /// J^T J with the group's own unknowns eliminated, per square of the unknowns' units: [LSB^2/m^2] of the pose along
@@ -37,6 +38,10 @@ class GroupFitter {
 
   /// \param every  1: all of its pixels, 2: every second one, ...
   void fit(const OutlineGroup& group, GroupFit& fit, std::size_t every = 1) noexcept;
+
+  /// The shadow's edge that crosses a dot which is one group, outline and blur being as the state says.
+  /// \param start  where it was, if it is known \return  none: no such edge
+  std::optional<LightEdge> find_edge(const OutlineGroup& group, const LightEdge* start) noexcept;
 
  private:
   /// What a dot's groups share.

@@ -117,6 +117,8 @@ ModelFaults model_faults(std::span<const OutlineGroup> groups, const GroupFits& 
       const Eigen::Vector2d g = fit.gradient(kMoves);
       d = {g.dot(N.ldlt().solve(g)) / typical.noise_variance_lsb2, d.information, 2};
     }
+    const double by_light = 1 + fit.light_px2 * d.information;
+    d.chi2 /= by_light, d.information /= by_light;
     per_freedom[displaced.size()] = d.chi2 / d.freedom;
     (void)displaced.try_push_back(d);  // no more of them than groups
   }
@@ -167,7 +169,7 @@ void weigh_groups(std::span<const OutlineGroup> groups, const GroupFits& fits, d
     if (!shows_an_outline(fit, typical)) continue;
     const double allowed_lsb2 = kNoiseSlack * typical.noise_variance_lsb2 + square(kModelMisfit * fit.contrast_lsb);
     const double noise_px2 = typical.noise_variance_lsb2 / fit.shift_information;
-    const double expected_px2 = faults.factor * noise_px2 + faults.variance_px2;
+    const double expected_px2 = faults.factor * (noise_px2 + fit.light_px2) + faults.variance_px2;
     const double u2 =
         fit.shift_px * fit.shift_px / (square(kShiftSigmas) * (expected_px2 + shift_floor_px * shift_floor_px));
     double trust = 1 / ((1 + u2) * (1 + u2));
@@ -187,18 +189,8 @@ float ink_share_of(const OutlineFit& fit) noexcept {
   return static_cast<float>(std::clamp((ink_lsb + kToe_lsb) / (fit.paper_lsb + kToe_lsb), 0.0, 1.0));
 }
 
-bool split_shadowed_dots(std::span<const OutlineGroup> groups, const GroupFits& fits, double noise_variance_lsb2,
-                         std::array<bool, kDotCount>& split) noexcept {
-  bool any = false;
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    const GroupFit& fit = fits[i];
-    if (!groups[i].whole_dot || !fit.usable) continue;
-    if (variance_of(fit) > kShadowVariance * noise_variance_lsb2 + square(kModelMisfit * fit.contrast_lsb)) {
-      any = any || !split[groups[i].dot];
-      split[groups[i].dot] = true;
-    }
-  }
-  return any;
+bool is_shadowed(double variance_lsb2, double contrast_lsb, double noise_variance_lsb2) noexcept {
+  return variance_lsb2 > kShadowVariance * noise_variance_lsb2 + square(kModelMisfit * contrast_lsb);
 }
 
 }  // namespace ninedot

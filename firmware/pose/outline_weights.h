@@ -32,11 +32,9 @@ void weigh_groups(std::span<const OutlineGroup> groups, const GroupFits& fits, d
 /// Memory: none. Threads: pure.
 float ink_share_of(const OutlineFit& fit) noexcept;
 
-/// A dot that a shadow's edge crosses does not fit one paper and one ink. Its sectors do, but for those on the edge.
-/// \param noise_variance_lsb2  of one pixel [LSB^2]
-/// \param split  of each dot: whether it is to be taken in sectors; set for those that are shadowed
-/// \return  whether there is a new one
-bool split_shadowed_dots(std::span<const OutlineGroup> groups, const GroupFits& fits, double noise_variance_lsb2,
-                         std::array<bool, kDotCount>& split) noexcept;
+/// Whether pixels lie so far about a group's light that a shadow's edge, or another one, may cross it.
+/// \param variance_lsb2  theirs [LSB^2] \param noise_variance_lsb2  of one pixel [LSB^2]
+/// Memory: none. Threads: pure.
+bool is_shadowed(double variance_lsb2, double contrast_lsb, double noise_variance_lsb2) noexcept;
 
 }  // namespace ninedot

@@ -168,6 +168,23 @@ TEST(FullSolver, SoftShadowsMoveDotsNoFurtherThanItSays) {
   EXPECT_LT(normalised2_in(light), 7);
 }
 
+/// Edges of a shadow cross three or four of the dots, which say where they are all the same.
+TEST(FullSolver, AHardShadowHardlyMovesTheDotsThatItCrosses) {
+  constexpr int kViews = 24;
+  double squares_m2 = 0;
+  for (int i = 0; i < kViews; ++i) {
+    test::Scene scene = scene_at({.distance_m = 1.5, .tilt_rad = 30 * kDegree, .azimuth_rad = 0.26 * i}, 0.2);
+    scene.light.shadows = {
+        {.direction_rad = 0.7 * i, .offset_m = 0.005 * (i - 12), .width_m = 0.07, .penumbra_m = 0.003}};
+    const auto pose = pose_of(test::render(scene, static_cast<std::uint64_t>(i) + 1));
+    ASSERT_TRUE(pose) << i;
+    squares_m2 += errors_of(scene, *pose).pose.head<3>().squaredNorm();
+  }
+  const double error_m = std::sqrt(squares_m2 / kViews);
+  RecordProperty("error_mm", std::to_string(1e3 * error_m));
+  EXPECT_LT(error_m, 0.28e-3);  // 0.34 with dots cut into sectors
+}
+
 TEST(FullSolver, HardShadowAcrossTheSheetCostsLessThanHalfAPercent) {
   test::Scene scene = scene_at({.distance_m = 2, .tilt_rad = 20 * kDegree});
   scene.light.shadows.push_back(

@@ -127,7 +127,7 @@ TEST(OutlineSums, PatternIsEliminatedLikeTheLight) {
     ASSERT_TRUE(fit.usable && light.usable);
     const Eigen::MatrixXd all = columns_of(pixels, group, state);
     const Eigen::MatrixXd asked = all.middleCols<kUnknowns + 1>(kStateColumn);
-    Eigen::MatrixXd own = all.rightCols<5>();
+    Eigen::MatrixXd own = all.middleCols<5>(kPaperColumn);
     Eigen::VectorXd ridge(5);
     ridge << 0, 0, 1e-3, 1e-3, 1e-3;
     const Eigen::MatrixXd without = left_of(asked, own, ridge);

@@ -71,5 +71,16 @@ TEST(OutlineWeights, OfDotsThatAreMovedAsNoiseMovesThemKeepTheirProportion) {
   EXPECT_NEAR(weights.weight[0], 10 / (18 * 0.36 * kRing_information / kNoise_lsb2), 1e-6);
 }
 
+/// By what a shadow's edge may move a dot, it is less certain, and the others are not.
+TEST(OutlineWeights, AreLessOfADotThatAnEdgeOfLightMayMove) {
+  Sheet sheet = sheet_with(0, 0);
+  const double noise_px2 = kNoise_lsb2 / kRing_information;
+  sheet.fits[2].light_px2 = 12 * noise_px2;
+  sheet.fits[2].gradient(3) = sheet.fits[2].gradient(5) = kRing_information * std::sqrt(12 * noise_px2);
+  const OutlineWeights weights = weights_of(sheet);
+  EXPECT_NEAR(weights.weight[2], 1.0 / 13, 0.01);
+  for (const std::size_t dot : {0U, 1U, 3U, 4U, 5U, 6U, 7U, 8U}) EXPECT_NEAR(weights.weight[dot], 1, 0.01) << dot;
+}
+
 }  // namespace
 }  // namespace ninedot
