@@ -50,15 +50,17 @@ struct Starts {
   bool centroids_decide() const noexcept { return differ && second_chi2_above >= kDecisive_chi2; }
 };
 
-/// The better one first, with how much worse the other one fits.
-void list_by_fit(PoseCandidate best, std::optional<PoseCandidate> mirror, PoseCandidates& candidates) noexcept {
+/// The better one first, with how much worse the other one fits. \return  the mirror image is the better one
+bool list_by_fit(PoseCandidate best, std::optional<PoseCandidate> mirror, PoseCandidates& candidates) noexcept {
+  const bool mirror_is_better = mirror && mirror->refined && mirror->chi2_above < 0;
   if (mirror && mirror->refined) {
-    if (mirror->chi2_above < 0) std::swap(best, *mirror);
+    if (mirror_is_better) std::swap(best, *mirror);
     mirror->chi2_above = std::abs(mirror->chi2_above) + std::abs(best.chi2_above);
     best.chi2_above = 0;
   }
   (void)candidates.list.try_push_back(best);
   if (mirror) (void)candidates.list.try_push_back(*mirror);
+  return mirror_is_better;
 }
 
 /// Whether the second pose lies where the first one says that the truth may be.
@@ -93,7 +95,8 @@ struct FullSolver::Workspace {
   double believable(double chi2_above, const OutlineState& other) const noexcept;
   std::optional<PoseCandidate> weigh_mirror(const ImageView& luma, const PosePrior* prior, double warp_px,
                                             int& pixels) noexcept;
-  void fit_shadows(const ImageView& luma, double warp_px, int& pixels, PoseCandidate& candidate) noexcept;
+  void fit_shadows(const ImageView& luma, const OutlineRefiner& chosen, double warp_px, int& pixels,
+                   PoseCandidate& candidate) noexcept;
 
   CameraModel camera;
   LandmarkGeometry landmark;
@@ -235,8 +238,9 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
 
 /// The pose once more where shadows cross its dots, with their edges. Whether it is a landmark, and which of its
 /// readings, is asked without: an edge of light explains much of what is none.
-void FullSolver::Workspace::fit_shadows(const ImageView& luma, double warp_px, int& pixels,
-                                        PoseCandidate& candidate) noexcept {
+void FullSolver::Workspace::fit_shadows(const ImageView& luma, const OutlineRefiner& chosen, double warp_px,
+                                        int& pixels, PoseCandidate& candidate) noexcept {
+  if (chosen.shadowed_dots() == 0) return;
   using Refiner = OutlineRefiner;
   // A quarter is kept: other landmarks may come after this one, and without this a frame lacks nothing.
   const int kept = pixels / 4;
@@ -283,16 +287,14 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
   // A mirror image that there was nothing left to refine with is not excluded by a glance.
   if (pixels <= 0 && mirror && !mirror->refined && !starts.centroids_decide())
     return fail(Errc::kPoseDegenerate, "the mirror image could not be looked at any more");
-  const bool mirror_is_better = mirror && mirror->refined && mirror->chi2_above < 0;
-  list_by_fit(best, mirror, candidates);
+  const OutlineRefiner& chosen = list_by_fit(best, mirror, candidates) ? w.second : w.first;
   // Where a reading that is none of a landmark fits as well, the picture shows none.
   for (const PoseCandidate& reading : candidates.list)
     if (reading.refined && reading.chi2_above < kUndecided_chi2)
       if (const auto usable = check_pose(reading.pose, w.camera, w.landmark, w.options.most_sigma); !usable)
         return tl::unexpected<Error>(usable.error());
-  const OutlineRefiner& chosen = mirror_is_better ? w.second : w.first;
   candidates.list[0].shape = chosen.shape();
-  if (chosen.shadowed_dots() > 0) w.fit_shadows(luma, candidates.warp_px, pixels, candidates.list[0]);
+  w.fit_shadows(luma, chosen, candidates.warp_px, pixels, candidates.list[0]);
   return candidates;
 }
 
@@ -312,11 +314,9 @@ Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const PoseExpec
   if (!expected.includes(believed)) return lost;  // before its mirror image takes the pixels that a search will need
   const auto mirror = w.weigh_mirror(luma, &prior, prior.warp_px, pixels);
   if (pixels <= 0 && mirror && !mirror->refined) return lost;
-  const bool mirror_is_better = mirror && mirror->refined && mirror->chi2_above < 0;
-  list_by_fit(believed, mirror, candidates);
+  const OutlineRefiner& chosen = list_by_fit(believed, mirror, candidates) ? w.second : w.first;
   if (!expected.includes(candidates.list[0])) return lost;
-  if ((mirror_is_better ? w.second : w.first).shadowed_dots() > 0)
-    w.fit_shadows(luma, candidates.warp_px, pixels, candidates.list[0]);
+  w.fit_shadows(luma, chosen, candidates.warp_px, pixels, candidates.list[0]);
   return candidates;
 }
 

@@ -241,11 +241,8 @@ void GroupFitter::fit(const OutlineGroup& group, GroupFit& fit, std::size_t ever
   // Paper, ink, beyond, two slopes; of an edge two levels and three of its own.
   const std::size_t own = has_edge ? 8 : group.whole_dot ? 5 : group.at_paper_edge ? 3 : 2;
   const std::size_t count = (static_cast<std::size_t>(group.count) + every - 1) / every;
-  fit.degrees_of_freedom = static_cast<int>(count) - 2 -
-                           (has_edge          ? 5
-                            : group.whole_dot ? 2
-                                              : 0) -
-                           (group.at_paper_edge ? 1 : 0);
+  const bool beyond_is_empty = group.whole_dot && !group.at_paper_edge;
+  fit.degrees_of_freedom = static_cast<int>(count) - static_cast<int>(own) + (beyond_is_empty ? 1 : 0);
   if (fit.degrees_of_freedom < kLeastFreedom) return;
 
   // Stretches of long outlines meet the pattern everywhere. Thinned pixels show one half of it.

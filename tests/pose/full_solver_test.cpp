@@ -185,6 +185,30 @@ TEST(FullSolver, AHardShadowHardlyMovesTheDotsThatItCrosses) {
   EXPECT_LT(error_m, 0.28e-3);  // 0.34 with dots cut into sectors
 }
 
+/// Edges are looked for with what is left: where that is little the pose is the one without, and something stays.
+TEST(FullSolver, LooksForAShadowsEdgesWithNoMoreThanItMay) {
+  test::Scene scene = scene_at({.distance_m = 1.5, .tilt_rad = 30 * kDegree}, 0.2);
+  scene.light.shadows = {{.direction_rad = 0.7, .offset_m = -0.055, .width_m = 0.07, .penumbra_m = 0.003}};
+  const test::Picture picture = test::render(scene, 1);
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  FullSolver solver(CameraModel{}, LandmarkGeometry{});
+  const auto seen = detector.find_landmarks(picture.view());
+  ASSERT_TRUE(seen);
+  int last_left = 0, kinds = 0;
+  double last_variance_m2 = 0;
+  for (int allowance = 26'000; allowance > 6'000; allowance -= 1'000) {
+    int pixels = allowance;
+    const auto solved = solver.solve(picture.view(), seen->front(), nullptr, pixels);
+    if (!solved) break;
+    EXPECT_GT(pixels, 0) << allowance;
+    const double variance_m2 = solved->list[0].pose.covariance.diagonal().head<3>().sum();
+    kinds += std::abs(variance_m2 - last_variance_m2) > 1e-3 * variance_m2;
+    last_variance_m2 = variance_m2, last_left = pixels;
+  }
+  EXPECT_EQ(kinds, 2) << "with edges, and without";
+  EXPECT_LT(last_left, 6'000);
+}
+
 TEST(FullSolver, HardShadowAcrossTheSheetCostsLessThanHalfAPercent) {
   test::Scene scene = scene_at({.distance_m = 2, .tilt_rad = 20 * kDegree});
   scene.light.shadows.push_back(
