@@ -129,6 +129,8 @@ test("the whole way: the head goes from stop to stop by itself, and what comes o
   const before = own.file();
   const { page, close } = await openHead();
   await start(page);
+  // Until its first news the view tells how the one before ended.
+  await page.waitForFunction(() => /^Stop \d+ of/.test(document.querySelector("#head-state").textContent), null, { timeout: 60000 });
   await page.waitForFunction(() => /Calibrated|No calibration/.test(document.querySelector("#head-state").textContent), null, { timeout: 300000 });
   const end = await state();
   assert.equal(end.phase, "done", JSON.stringify(end).slice(0, 500));
@@ -153,5 +155,6 @@ test("the whole way: the head goes from stop to stop by itself, and what comes o
   await again.page.evaluate(() => window.scrollTo(0, 0));
   await again.page.screenshot({ path: path.join(PICTURES, "calibrate-head-used.png"), fullPage: true });
   await own.runs();
+  await own.servedAnew();
   await again.close();
 });

@@ -120,6 +120,7 @@ async function useIt(name, yaml) {
   await page.evaluate(() => window.scrollTo(0, 0));
   await page.screenshot({ path: path.join(PICTURES, "calibrate-used.png"), fullPage: true });
   await own.runs();
+  await own.servedAnew();
   await close();
   assert.equal((await post(`use ${name}`)).status, 202, "the same again");
   const again = await own.ended();

@@ -83,6 +83,12 @@ export class ConfigurationStage {
     modbus.close();
   }
 
+  // To be called after each apply that ended up: ninedot-web serves by the new file a moment later, and whoever asks just then gets no answer.
+  servedAnew() {
+    this.served = (this.served ?? 1) + 1;
+    return until("it is served anew", async () => this.stage.log("ninedot-web").match(/http:/g).length === this.served);
+  }
+
   async close() {
     this.server?.close();
     const pid = Number(fs.readFileSync(path.join(this.stage.folder, "pid"), "utf8"));

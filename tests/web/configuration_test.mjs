@@ -153,7 +153,7 @@ test("a change is applied after it was asked for once more, and is in force", as
   await page.waitForFunction(() => /No difference/.test(document.querySelector("#configuration-count").textContent));
   assert.equal((await own.state()).before, own.text);
   // The page's own process goes by the new file as well; the page finds it again.
-  await until("it is served anew", async () => own.stage.log("ninedot-web").match(/http:/g).length === 2);
+  await own.servedAnew();
   await page.click("#configuration-before");
   await verdictIs(page, "Nothing is wrong");
   await page.waitForFunction(() => !document.querySelector("#configuration-apply").disabled);
@@ -162,6 +162,7 @@ test("a change is applied after it was asked for once more, and is in force", as
   await page.waitForFunction((was) => document.querySelector("#configuration-progress").dataset.state === "up" && document.querySelector("#configuration-text").value === was && document.querySelector("#configuration-undo").disabled, own.text, { timeout: 60000 });
   assert.equal(own.file(), own.text);
   await own.runs();
+  await own.servedAnew();
   await close();
 });
 
@@ -324,6 +325,7 @@ test("exposure and gain are set from the focus view, in the file and in the serv
   assert.equal(await state(), "up", await page.locator("#exposure-applying").textContent());
   assert.equal(own.file(), before.replace("[camera]\n", "[camera]\nexposure_us = 4000\ngain = 2.5\n"));
   await own.runs();
+  await own.servedAnew();
   await page.waitForFunction(() => !document.querySelector("#set-gain").disabled);  // it goes by the new file
   assert.deepEqual([await page.inputValue("#set-exposure_us"), await page.inputValue("#set-gain")], ["4000", "2.5"]);
   await page.fill("#set-exposure_us", "");
@@ -332,6 +334,7 @@ test("exposure and gain are set from the focus view, in the file and in the serv
   await page.click("#sure");
   await until("it is in the file", async () => own.file().includes("exposure_us = 0\n"));
   await until("it ended", async () => (await state()) === "up");
+  await own.servedAnew();
   await close();
 });
 

@@ -207,7 +207,8 @@ test("the whole way: a map is built, is right, and is put in force; again, what 
   assert.equal(fs.readFileSync(path.join(own.stage.folder, "map.toml"), "utf8"), toml);
   await own.runs();
   await until("the service is placed by it", async () => (await own.stage.live("mapbuildtest", authorised)).frame?.valid);
-  await until("the page goes by the new configuration", async () => (await state()).map.endsWith("/map.toml"));
+  await own.servedAnew();
+  assert.ok((await state()).map.endsWith("/map.toml"), "the page goes by the new configuration");
   await close();
 
   ({ page, close } = await open());
@@ -228,6 +229,7 @@ test("the whole way: a map is built, is right, and is put in force; again, what 
   assert.equal(end.state, "up", JSON.stringify(end));
   assert.equal(fs.readFileSync(path.join(own.stage.folder, "map.toml.before"), "utf8"), toml);
   await own.runs();
+  await own.servedAnew();
   await close();
 });
 
