@@ -22,8 +22,9 @@ namespace {
 
 constexpr float kSlopeUnit = 0.1F;  // per px: makes the slopes' columns about as large as the others over a dot's 10 px
 constexpr float kLeastVariance_px2 = 0.1F;  // below a pixel's own 1/12 and a bit, an edge is no Gaussian's
-// From an outline to a side of the sheet: the band of pixels (3 px of the usual blur) and what the blur brings into it.
-constexpr double kSeenBeyond_px = 5.5;
+// From an outline to a side of the sheet: the band of pixels and what the blur brings into it, of the usual blur and of
+// a wider one.
+constexpr float kSeenBeyond_px = 5.5F, kSeenBeyondSigmas = 6.5F;
 constexpr double kDiagonal = 0.5;          // of both coordinates of a unit vector: 30 degrees from either axis
 constexpr float kNotAtCentre_m2 = 1e-12F;  // (1 um)^2: keeps the direction at a dot's very middle finite
 
@@ -40,19 +41,27 @@ inline Blur blur_along(const DotView& v, float x, float y, float length2) noexce
   return {sigma_px, 1 / sigma_px, cos2, sin2};
 }
 
+/// How the place on the sheet along (ox, oz), seen by the ray (mx, my), changes from pixel to pixel.
+struct SideSlope {
+  SideSlope(const DotView& v, float ox, float oz, float mx, float my) noexcept
+      : depth(1 / (v.inverse_depth.x() * mx + v.inverse_depth.y() * my + v.inverse_depth.z())),
+        along_m(ox * ((v.rX.x() * mx + v.rX.y() * my + v.rX.z()) * depth) +
+                oz * ((v.rZ.x() * mx + v.rZ.y() * my + v.rZ.z()) * depth)),
+        x(ox * v.px_X.x() + oz * v.px_Z.x() - along_m * v.per_height * v.px_n.x()),
+        y(ox * v.px_X.y() + oz * v.px_Z.y() - along_m * v.per_height * v.px_n.y()) {}
+  float length2() const noexcept { return x * x + y * y; }
+  float m_per_px() const noexcept { return depth * std::sqrt(length2()); }
+
+  float depth, along_m;  ///< the place, from the foot of the camera's perpendicular
+  float x, y;            ///< its change over the depth [1/px]
+};
+
 /// The share of a pixel that lies beyond the side of the sheet towards (ox, oz). Its edge is blurred as an outline of
 /// its direction is.
 inline float share_beyond_side(const DotView& v, float ox, float oz, float mx, float my) noexcept {
-  const float depth = 1 / (v.inverse_depth.x() * mx + v.inverse_depth.y() * my + v.inverse_depth.z());
-  const float A = (v.rX.x() * mx + v.rX.y() * my + v.rX.z()) * depth;
-  const float B = (v.rZ.x() * mx + v.rZ.y() * my + v.rZ.z()) * depth;
-  const float along = (ox * A + oz * B) * v.per_height;
-  const float gradient_x = ox * v.px_X.x() + oz * v.px_Z.x() - along * v.px_n.x();
-  const float gradient_y = ox * v.px_X.y() + oz * v.px_Z.y() - along * v.px_n.y();
-  const float steep2 = gradient_x * gradient_x + gradient_y * gradient_y;
-  const float slope = depth * std::sqrt(steep2);
-  const float z = ((A - v.origin.x()) * ox + (B - v.origin.y()) * oz - v.paper_radius_m) / slope *
-                  blur_along(v, gradient_x, gradient_y, steep2).per_px;
+  const SideSlope slope(v, ox, oz, mx, my);
+  const float z = (slope.along_m - (ox * v.origin.x() + oz * v.origin.y()) - v.paper_radius_m) / slope.m_per_px() *
+                  blur_along(v, slope.x, slope.y, slope.length2()).per_px;
   const float tail = normal_tail(z).tail;
   return z > 0 ? 1 - tail : tail;
 }
@@ -326,19 +335,25 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
   radius_m = static_cast<float>(landmark.radius_m(dot));
   // A square pixel is (det N / height) depth^3 of the sheet: its outline's curvature is that squared over r slope^3.
   bend = static_cast<float>(std::pow(N.determinant() / height_m, 2) / landmark.radius_m(dot));
-  // Of a dot on a diagonal the square's two sides, once they are near enough to be seen in its blur; before, what may
-  // cover the corner beside it.
-  const Eigen::Vector2d outward = landmark.centre_m(dot).normalized();  // 0 of P9
-  const double seen_m = kSeenBeyond_px * t.z() * std::sqrt(std::abs(N.determinant()));
-  if (outward.cwiseAbs().minCoeff() > kDiagonal && landmark.white_beside_m(dot) < seen_m) {
-    (void)beyond.try_push_back({outward.x() > 0 ? 1.0F : -1.0F, 0.0F});
-    (void)beyond.try_push_back({0.0F, outward.y() > 0 ? 1.0F : -1.0F});
-  } else if (dot != kCentreDot) {
-    (void)beyond.try_push_back(outward.cast<float>());
-  }
   paper_radius_m = static_cast<float>(landmark.paper_radius_m());
   blur_px2 = static_cast<float>(state.blur_px2);
   blur_cos_px2 = static_cast<float>(state.blur_cos_px2), blur_sin_px2 = static_cast<float>(state.blur_sin_px2);
+  // Of a dot on a diagonal the square's two sides, once one of them is near enough to be seen in its blur; before, what
+  // may cover the corner beside it.
+  const Eigen::Vector2d outward = landmark.centre_m(dot).normalized();  // 0 of P9
+  const float x = outward.x() > 0 ? 1.0F : -1.0F, z = outward.y() > 0 ? 1.0F : -1.0F;
+  const auto is_seen = [&](float side_x, float side_z) {
+    const SideSlope slope(*this, side_x, side_z, near_ray.x(), near_ray.y());
+    const float sigma_px = blur_along(*this, slope.x, slope.y, slope.length2()).sigma_px;
+    const float gap_px = static_cast<float>(landmark.white_beside_m(dot)) / slope.m_per_px();
+    return gap_px < std::max(kSeenBeyond_px, kSeenBeyondSigmas * sigma_px);
+  };
+  if (outward.cwiseAbs().minCoeff() > kDiagonal && (is_seen(x, 0) || is_seen(0, z))) {
+    (void)beyond.try_push_back({x, 0.0F});
+    (void)beyond.try_push_back({0.0F, z});
+  } else if (dot != kCentreDot) {
+    (void)beyond.try_push_back(outward.cast<float>());
+  }
   offset_px = static_cast<float>(state.offset_px);
   ink_share = pixels.ink_share;
 }

@@ -21,6 +21,15 @@ CameraFromLandmark sheet_at(double distance_m) {
   return T;
 }
 
+/// Straight ahead, turned about its vertical.
+CameraFromLandmark sheet_from(double distance_m, double turned_rad) {
+  CameraFromLandmark T;
+  T.rotation << -1, 0, 0, 0, 0, -1, 0, -1, 0;
+  T.rotation = exp_so3(turned_rad * Eigen::Vector3d::UnitY()) * T.rotation;
+  T.translation_m = {0, 0, distance_m};
+  return T;
+}
+
 /// Of each pixel the share that is ink.
 std::vector<double> ink_of(const OutlinePixels& pixels, const OutlineGroup& group, const CameraFromLandmark& T) {
   OutlineState state;
@@ -83,6 +92,30 @@ TEST(OutlineColumns, SinglePrecisionLeavesADotWhereItIs) {
     ASSERT_GE(pixels.groups.size(), kDotCount);
     EXPECT_LT(sum_px / static_cast<double>(pixels.groups.size()), 9e-6) << "at " << distance_m << " m";
   }
+}
+
+// The side of a square sheet comes as near to a dot on a diagonal as to one beside it, seen in the picture.
+TEST(OutlineColumns, ADotOnADiagonalSeesBothSidesOnceOneIsNearInThePicture) {
+  const CameraModel camera;
+  const RayTable rays(camera);
+  const std::vector<std::uint8_t> grey(static_cast<std::size_t>(camera.width_px * camera.height_px), 128);
+  const ImageView picture{grey.data(), camera.width_px, camera.height_px, camera.width_px};
+  constexpr std::size_t kDiagonal = 1, kBeside = 2;
+  const auto sides = [&](double distance_m, double turned_rad, double blur_px2, double motion_px2, std::size_t dot) {
+    OutlineState state;
+    state.T_camera_landmark = sheet_from(distance_m, turned_rad);
+    state.blur_px2 = blur_px2 + motion_px2 / 2, state.blur_cos_px2 = motion_px2 / 2;
+    OutlinePixels pixels(12000);
+    collect_outline_pixels(picture, camera, rays, {}, state.T_camera_landmark, 3, 1, {}, {}, pixels);
+    return DotView(pixels, {}, state, dot).beyond.size();
+  };
+  // 10 px in a picture from in front, and 5 px from aside.
+  EXPECT_EQ(sides(2.6, 0, 0.7, 0, kDiagonal), 1U);
+  EXPECT_EQ(sides(2.6, 1.05, 0.7, 0, kDiagonal), 2U);
+  // A motion of 5 px brings a side of 8 px away into the dot's blur.
+  EXPECT_EQ(sides(3.2, 0, 0.7, 0, kDiagonal), 1U);
+  EXPECT_EQ(sides(3.2, 0, 0.7, 2.1, kDiagonal), 2U);
+  EXPECT_EQ(sides(3.2, 1.05, 0.7, 2.1, kBeside), 1U);
 }
 
 }  // namespace
