@@ -26,8 +26,6 @@ constexpr double kSettled_s = 1e-11;
 constexpr double kOutlier = 9;        // times the median misfit: a mirror image, something before the sheet
 constexpr double kMaxTurn_rad = 0.2;  // in one step: the equations are linear no further
 constexpr int kBlocks = 10;
-/// Of the longest row time: a picture of 480 rows at 35 Hz is known to 0.6 ms from its first row to its last.
-constexpr double kUseful = 0.02;
 
 [[noreturn]] void refuse(const std::string& what) { throw StartupError(ExitStatus::kWorkFailed, what); }
 
@@ -49,8 +47,12 @@ struct RowSums {
 class Fitter {
  public:
   Fitter(std::span<const MovingSighting> sightings, const CameraModel& camera, const LandmarkGeometry& landmark,
-         double longest_s)
-      : camera_(camera), landmark_(landmark), longest_s_(longest_s), middle_row_px_(0.5 * (camera.height_px - 1)) {
+         double longest_s, double useful_share)
+      : camera_(camera),
+        landmark_(landmark),
+        longest_s_(longest_s),
+        useful_share_(useful_share),
+        middle_row_px_(0.5 * (camera.height_px - 1)) {
     std::vector<const MovingSighting*> sorted;
     for (const MovingSighting& sighting : sightings) sorted.push_back(&sighting);
     std::ranges::sort(sorted,
@@ -284,7 +286,7 @@ class Fitter {
   }
 
   void check(const RowTimeFit& fit) const {
-    const double useful_s = kUseful * longest_s_;
+    const double useful_s = useful_share_ * longest_s_;
     if (fit.sigma_s > useful_s)
       refuse(
           fmt::format("the motion is too slow: the row time is known to {:.2g} us only, {:.2g} are needed; the "
@@ -305,7 +307,7 @@ class Fitter {
 
   const CameraModel& camera_;
   const LandmarkGeometry& landmark_;
-  const double longest_s_;
+  const double longest_s_, useful_share_;
   double middle_row_px_, period_s_ = 0, row_time_s_ = 0;
   std::vector<Frame> frames_;
   std::vector<RowSums> sums_;
@@ -314,9 +316,9 @@ class Fitter {
 }  // namespace
 
 RowTimeFit fit_row_time(std::span<const MovingSighting> sightings, const CameraModel& camera,
-                        const LandmarkGeometry& landmark, double longest_s) {
+                        const LandmarkGeometry& landmark, double longest_s, double useful_share) {
   EXPECTS(longest_s > 0);
-  return Fitter(sightings, camera, landmark, longest_s).fit();
+  return Fitter(sightings, camera, landmark, longest_s, useful_share).fit();
 }
 
 }  // namespace ninedot

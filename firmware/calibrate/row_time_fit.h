@@ -38,11 +38,15 @@ struct RowTimeFit {
   double misfit = 1;
 };
 
+/// Share of the longest row time: a picture of 480 rows at 35 Hz is known to 0.6 ms from its first row to its last.
+inline constexpr double kUsefulRowTime = 0.02;
+
 /// \param sightings  in any order; those of one landmark that follow each other at the frames' period count
 /// \param longest_s  between rows that is possible at all: the frames' period over the rows. > 0 (contract)
+/// \param useful_share  to how much of that, 1-sigma, it has to be known [1]
 /// Throws StartupError(kWorkFailed), one line: too few pictures that follow each other, a motion too slow (with how
 /// much faster it must be), a row time that can't be. Memory: allocates.
 RowTimeFit fit_row_time(std::span<const MovingSighting> sightings, const CameraModel& camera,
-                        const LandmarkGeometry& landmark, double longest_s);
+                        const LandmarkGeometry& landmark, double longest_s, double useful_share = kUsefulRowTime);
 
 }  // namespace ninedot
