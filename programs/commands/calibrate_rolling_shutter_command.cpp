@@ -22,8 +22,8 @@ namespace {
 // The recording is looked at again with what the look before found, until that changes nothing.
 constexpr int kPasses = 5;
 constexpr double kSettled = 0.2;  // of its sigma
-// The first look takes all rows for one instant. What that leaves of the outlines makes each sighting ten times as
-// uncertain as it is.
+// The first look takes all rows for one instant. What that leaves of the outlines makes each sighting up to eight times
+// as uncertain as it is; where nobody looks again it is judged like any other.
 constexpr double kUsefulAtFirst = 5 * kUsefulRowTime;
 
 struct ShutterArguments {
@@ -89,7 +89,8 @@ void run_rolling_shutter(const ShutterArguments& arguments) {
           ExitStatus::kWorkFailed,
           fmt::format("{}: its pictures have no times; record anew with `ninedot record`", arguments.recording));
     const double longest_s = period_s / view.camera.height_px;
-    fit = fit_row_time(sightings, view.camera, view.landmark, longest_s, pass == 0 ? kUsefulAtFirst : kUsefulRowTime);
+    const bool is_last = pass > 0 || is_interrupted;
+    fit = fit_row_time(sightings, view.camera, view.landmark, longest_s, is_last ? kUsefulRowTime : kUsefulAtFirst);
     const bool is_settled =
         std::abs(fit.row_time_s - before_s) < kSettled * fit.sigma_s && fit.sigma_s < kUsefulRowTime * longest_s;
     if (is_interrupted || is_settled) break;

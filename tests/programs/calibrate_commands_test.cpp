@@ -166,26 +166,25 @@ class CalibrateShutter : public Calibrate {
     EXPECT_NE(at, std::string::npos) << text;
     return std::stod(text.substr(at + 8));
   }
+  void expect_row_time_of_80_us() {
+    const test::TypedOutcome outcome = calibrate();
+    ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
+    const double sigma = sigma_us();
+    EXPECT_LT(sigma, 0.01 * 80);
+    EXPECT_NEAR(written().camera.row_time_us, 80, 2.5 * sigma);
+  }
 };
 
 TEST_F(CalibrateShutter, FindsTheRowTimeOfAFilm) {
   film(80e-6, 1, 50);
-  const test::TypedOutcome outcome = calibrate();
-  ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
-  const double sigma = sigma_us();
-  EXPECT_LT(sigma, 0.01 * 80);
-  EXPECT_NEAR(written().camera.row_time_us, 80, 2.5 * sigma);
+  expect_row_time_of_80_us();
 }
 
 // What the first look, which takes all rows for one instant, leaves of the outlines made it say of hands that moved by
 // 280 to 590 px/s that they were too slow.
 TEST_F(CalibrateShutter, IsNoStricterBeforeItKnowsTheRows) {
   film(80e-6, 1.5, 50);
-  const test::TypedOutcome outcome = calibrate();
-  ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
-  const double sigma = sigma_us();
-  EXPECT_LT(sigma, 0.01 * 80);
-  EXPECT_NEAR(written().camera.row_time_us, 80, 2.5 * sigma);
+  expect_row_time_of_80_us();
 }
 
 TEST_F(CalibrateShutter, RefusesACameraAtRest) {
