@@ -13,6 +13,11 @@ namespace {
 // Sigmas of the blur from node to node: the trapezoidal rule leaves 2e-4 of the contrast (blurred_disc_test.cpp).
 constexpr double kSpacing = 1.3;
 constexpr std::size_t kLeastNodes = 6;
+// More than these cost more than a profile across the outline. Where the tone curve is fitted they are worth it: what a
+// profile is off by looks like a curve, and steps go to and fro. Without the curve they are worth nothing, for its bend
+// and the profile's error are alike, and of opposite signs.
+constexpr std::size_t kUsualNodes = 13;
+constexpr double kLeastPart = 0.1;  // of an outline's length: what no offset takes away
 // Below a pixel's own 1/12 and a bit, an edge is no Gaussian's (outline_columns.cpp has the same).
 constexpr double kLeastVariance_px2 = 0.1;
 constexpr float kNotAtNode = 1e-4F;  // keeps (1 - exp(-t)) / t finite and exact to a float at a node itself
@@ -52,11 +57,12 @@ BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& la
       0.5 * (circle.squaredNorm() +
              std::sqrt(std::max(std::pow(circle.squaredNorm(), 2) - 4 * std::pow(circle.determinant(), 2), 0.0))));
   const double wanted = 2 * std::numbers::pi * semi_major / kSpacing;
-  if (!(wanted <= static_cast<double>(kMaxNodes))) return;
+  if (!(wanted <= static_cast<double>(pixels.has_tone ? kMaxNodes : kUsualNodes))) return;
   count_ = std::max(kLeastNodes, static_cast<std::size_t>(std::ceil(wanted)));
   sigma_per_ray_ = (W * px_per_ray).cast<float>();
 
   const double step = 2 * std::numbers::pi / static_cast<double>(count_);
+  const double area_px2 = std::abs(circle.determinant() / W.determinant());  // over pi: curvature times speed^3
   const double turns = circle.determinant() > 0 ? 1 : -1;  // which way round the angle goes in the picture
   for (std::size_t i = 0; i < count_; ++i) {
     Node& node = nodes_[i];
@@ -64,8 +70,10 @@ BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& la
     const double x_m = C.x() + r_m * cos, z_m = C.y() + r_m * sin;
     const Eigen::Vector3d p_m = T.translation_m + x_m * X + z_m * Z;
     // In pixels from the dot's middle.
-    const Eigen::Vector2d along_px = turns * step * (px_per_ray * ray_by(p_m, r_m * (cos * Z - sin * X)));
+    Eigen::Vector2d along_px = turns * step * (px_per_ray * ray_by(p_m, r_m * (cos * Z - sin * X)));
     const Eigen::Vector2d outwards_px = Eigen::Vector2d(along_px.y(), -along_px.x()).normalized();
+    if (pixels.has_tone)
+      along_px *= std::max(1 + state.offset_px * area_px2 / std::pow(along_px.norm() / step, 3), kLeastPart);
     const Eigen::Vector2d at_px = px_per_ray * (p_m.hnormalized() - middle) + state.offset_px * outwards_px;
     const Eigen::Vector2d at = W * at_px, part = W * along_px;
     node.x = static_cast<float>(at.x()), node.y = static_cast<float>(at.y());

@@ -12,7 +12,8 @@
 ///
 /// The outlines' common offset moves the nodes and leaves their parts as long as they are: by what a disc has shrunk,
 /// its ink is more than whole inside. Contrast is each group's own and takes that out again; a dot's contrast stays
-/// what a tone curve, which makes the offset, has left of it.
+/// what a tone curve, which makes the offset, has left of it. Where the curve is fitted (OutlinePixels::has_tone) the
+/// offset is ink that has spread: parts grow with the outline, and no share is above one.
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
@@ -60,7 +61,7 @@ class BlurredDisc {
   void ink_by_blur(const Lanes& ray_x, const Lanes& ray_y, std::array<Lanes, kBlurColumns>& by_blur) const noexcept;
 
  private:
-  static constexpr std::size_t kMaxNodes = 13;
+  static constexpr std::size_t kMaxNodes = 26;
   /// A point of the outline, with the part of it for which it stands.
   struct Node {
     float x, y;                             ///< [sigma]

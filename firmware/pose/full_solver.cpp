@@ -38,6 +38,9 @@ constexpr double kCloseStart_px = 0.4;
 constexpr int kMostShadowed = 4;
 // Of six freedoms: exceeded once in 5000 by what noise makes of the first pose, which the second one knows in part.
 constexpr double kNearby_chi2 = 26;
+// A tone curve that asks for ink so much darker than black is none: dots of 1.2 px did by 14 grey levels, a loudspeaker
+// by 41.
+constexpr double kDarkest_lsb = -20;
 // Of the centroids' residual: what of it may be the sheet's warp or a shadow's pull, the rest being noise.
 constexpr double kWarpShare = 0.5;
 
@@ -82,7 +85,7 @@ struct FullSolver::Workspace {
         rays(camera_model),
         first(camera, landmark, rays),
         second(camera, landmark, rays),
-        shadowed(camera, landmark, rays) {}
+        lit(camera, landmark, rays) {}
 
   Eigen::Vector2d ray_at_middle(const LandmarkObservation& seen, std::size_t dot, const Eigen::Vector2d& ray,
                                 double row_px, const SheetMotion& motion) const noexcept;
@@ -95,14 +98,14 @@ struct FullSolver::Workspace {
   double believable(double chi2_above, const OutlineState& other) const noexcept;
   std::optional<PoseCandidate> weigh_mirror(const ImageView& luma, const PosePrior* prior, double warp_px,
                                             int& pixels) noexcept;
-  void fit_shadows(const ImageView& luma, const OutlineRefiner& chosen, double warp_px, int& pixels,
-                   PoseCandidate& candidate) noexcept;
+  bool fit_light(const ImageView& luma, const OutlineRefiner& chosen, double warp_px, int& pixels,
+                 PoseCandidate& candidate) noexcept;
 
   CameraModel camera;
   LandmarkGeometry landmark;
   FullSolverOptions options;
   RayTable rays;
-  OutlineRefiner first, second, shadowed;  ///< scratch
+  OutlineRefiner first, second, lit;  ///< scratch
 };
 
 /// Where a dot would have been seen while the middle row was exposed. The detector's map tells its depth well enough.
@@ -236,27 +239,37 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
   return mirror;
 }
 
-/// The pose once more where shadows cross its dots, with their edges. Whether it is a landmark, and which of its
-/// readings, is asked without: an edge of light explains much of what is none.
-void FullSolver::Workspace::fit_shadows(const ImageView& luma, const OutlineRefiner& chosen, double warp_px,
-                                        int& pixels, PoseCandidate& candidate) noexcept {
-  if (chosen.shadowed_dots() == 0) return;
+/// The pose once more where the picture's light is more than two grey levels and an offset: with the edges of shadows
+/// that cross its dots, and with the tone curve of a wide blur. Which of its readings it is, is asked without: both
+/// explain much of what is none.
+/// \return  the tone curve is in it, and no shadow's edge
+bool FullSolver::Workspace::fit_light(const ImageView& luma, const OutlineRefiner& chosen, double warp_px, int& pixels,
+                                      PoseCandidate& candidate) noexcept {
+  if (chosen.shadowed_dots() == 0 && chosen.tone_share() == 0) return false;
   using Refiner = OutlineRefiner;
   // A quarter is kept: other landmarks may come after this one, and without this a frame lacks nothing.
   const int kept = pixels / 4;
   int own = pixels - kept;
   const bool has_converged =
-      shadowed.refine(luma, candidate.outlines, Refiner::Start::kClose, warp_px, own, Refiner::Shadows::kFitEdges)
-          .has_converged();
+      lit.refine(luma, candidate.outlines, Refiner::Start::kClose, warp_px, own, Refiner::Light::kFull).has_converged();
   pixels = kept + std::max(own, 0);
-  if (!has_converged || !shadowed.has_light_edges()) return;
-  const PoseCandidate better = candidate_of(shadowed, camera, landmark);
-  if (!is_nearby(candidate.pose, better.pose)) return;
-  candidate.pose.T_landmark_camera = better.pose.T_landmark_camera;
-  candidate.pose.covariance = better.pose.covariance;
-  candidate.pose.ellipse = better.pose.ellipse;
-  candidate.outlines = better.outlines;
+  if (!has_converged || !(lit.has_light_edges() || lit.has_tone())) return false;
+  // Sectors have more of their own than an edge has.
+  if (!lit.has_light_edges() && lit.fit().residual_lsb > candidate.fit.residual_lsb) return false;
+  if (lit.has_tone() && lit.fit().paper_lsb - lit.fit().contrast_lsb < kDarkest_lsb) return false;
+  const PoseCandidate better = candidate_of(lit, camera, landmark);
+  if (!is_nearby(candidate.pose, better.pose)) return false;
   candidate.dots = better.dots;
+  if (lit.has_light_edges()) {
+    candidate.pose.T_landmark_camera = better.pose.T_landmark_camera;
+    candidate.pose.covariance = better.pose.covariance;
+    candidate.pose.ellipse = better.pose.ellipse;
+    return false;
+  }
+  candidate.pose = better.pose;
+  candidate.visible_share = better.visible_share;
+  candidate.fit.residual_lsb = better.fit.residual_lsb;  // how dark the ink of small dots is, a curve leaves open
+  return true;
 }
 
 FullSolver::FullSolver(const CameraModel& camera, const LandmarkGeometry& landmark, const FullSolverOptions& options)
@@ -293,8 +306,9 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
     if (reading.refined && reading.chi2_above < kUndecided_chi2)
       if (const auto usable = check_pose(reading.pose, w.camera, w.landmark, w.options.most_sigma); !usable)
         return tl::unexpected<Error>(usable.error());
-  candidates.list[0].shape = chosen.shape();
-  w.fit_shadows(luma, chosen, candidates.warp_px, pixels, candidates.list[0]);
+  // An edge of light explains much of what is no disc.
+  const bool has_tone = w.fit_light(luma, chosen, candidates.warp_px, pixels, candidates.list[0]);
+  candidates.list[0].shape = (has_tone ? w.lit : chosen).shape();
   return candidates;
 }
 
@@ -310,13 +324,15 @@ Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const PoseExpec
     return lost;
   PoseCandidates candidates;
   candidates.warp_px = prior.warp_px;
-  const PoseCandidate believed = candidate_of(w.first, w.camera, w.landmark);
+  PoseCandidate believed = candidate_of(w.first, w.camera, w.landmark);
+  w.fit_light(luma, w.first, prior.warp_px, pixels, believed);  // as the one before was
   if (!expected.includes(believed)) return lost;  // before its mirror image takes the pixels that a search will need
   const auto mirror = w.weigh_mirror(luma, &prior, prior.warp_px, pixels);
   if (pixels <= 0 && mirror && !mirror->refined) return lost;
-  const OutlineRefiner& chosen = list_by_fit(believed, mirror, candidates) ? w.second : w.first;
-  if (!expected.includes(candidates.list[0])) return lost;
-  w.fit_shadows(luma, chosen, candidates.warp_px, pixels, candidates.list[0]);
+  if (list_by_fit(believed, mirror, candidates)) {
+    w.fit_light(luma, w.second, candidates.warp_px, pixels, candidates.list[0]);
+    if (!expected.includes(candidates.list[0])) return lost;
+  }
   return candidates;
 }
 

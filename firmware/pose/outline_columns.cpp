@@ -96,6 +96,24 @@ inline void fill_beyond(const Pixels& some, const DotView& v, Lanes& beyond) noe
   for (std::size_t l = 0; l < kLanes; ++l) beyond[l] = some.there[l] - on_sheet[l];
 }
 
+/// What the tone curve makes of the shares of ink and of their changes; then how it changes them itself.
+template <Asked kAsked>
+void bend_tone(const DotView& v, OutlineColumns& columns) noexcept {
+  const auto [a, b, c] = v.tone_bend;
+  Lanes slope, bend;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const float s = columns[kInkColumn][l], at_both = s * (1 - s), by_share = a + s * (b + s * c);
+    bend[l] = at_both * by_share;
+    slope[l] = 1 + v.tone * ((1 - 2 * s) * by_share + at_both * (b + 2 * c * s));
+    columns[kInkColumn][l] = s + v.tone * bend[l];
+  }
+  if constexpr (kAsked == Asked::kLightOnly) return;
+  for (std::size_t unknown = 0; unknown < kToneUnknown; ++unknown)
+    for (std::size_t l = 0; l < kLanes; ++l) columns[kStateColumn + unknown][l] *= slope[l];
+  if constexpr (kAsked == Asked::kState)
+    for (std::size_t l = 0; l < kLanes; ++l) columns[kStateColumn + kToneUnknown][l] = -bend[l];
+}
+
 /// The columns of the group's light, by the share of each pixel that is ink. A slope of the light is one of the paper
 /// and, as far as it is lit, of the ink: left out, it moves the dot.
 inline void fill_light(const Pixels& some, const OutlineGroup& group, const DotView& v, float first_luma,
@@ -303,6 +321,8 @@ void fill(const OutlinePixels& pixels, const OutlineGroup& group, const DotView&
       fill_small<kAsked>(some, disc, batches[batch]);
     else
       fill_profile<kAsked>(some, v, batches[batch]);
+    if constexpr (kAsked != Asked::kLightOnly) batches[batch][kStateColumn + kToneUnknown] = Lanes{};
+    if (v.has_tone) bend_tone<kAsked>(v, batches[batch]);
     fill_light(some, group, v, first_luma, batches[batch]);
     if (group.whole_dot && edge)
       fill_edge(some, EdgeView(*edge, group, pixels.lit_ink()), v, disc.is_small(), batches[batch]);
@@ -356,6 +376,9 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
   }
   offset_px = static_cast<float>(state.offset_px);
   ink_share = pixels.ink_share;
+  has_tone = pixels.has_tone;
+  tone = static_cast<float>(state.tone);
+  tone_bend = pixels.tone_bends[dot];
 }
 
 void look_outward(const OutlinePixels& pixels, const DotView& view, PixelRange range, std::span<Lanes> outside,

@@ -59,7 +59,10 @@ struct DotView {
   float radius_m, paper_radius_m;
   float bend;  ///< what the outline's curvature times (slope / depth)^3 is, over depth^3 [1/m^3 px^2]
   float blur_px2, blur_cos_px2, blur_sin_px2, offset_px;
-  float ink_share;  ///< OutlinePixels::ink_share
+  float ink_share;     ///< OutlinePixels::ink_share
+  bool has_tone;       ///< OutlinePixels::has_tone
+  float tone;          ///< OutlineState::tone [1]
+  ToneBend tone_bend;  ///< OutlinePixels::tone_bends [1]
 };
 
 /// Some pixels of a group.

@@ -13,6 +13,7 @@
 #include "image/image_view.h"
 #include "pose/light_edge.h"
 #include "pose/ray_table.h"
+#include "pose/tone.h"
 
 namespace ninedot {
 
@@ -54,6 +55,8 @@ struct OutlinePixels {
   float ink_share = 0;
   /// [1] The same, also of a guess.
   float lit_ink() const noexcept { return ink_share > 0 ? ink_share : kUsualInkShare; }
+  bool has_tone = false;                         ///< the tone curve is more than an offset of the outlines
+  std::array<ToneBend, kDotCount> tone_bends{};  ///< how it bends each dot's grey levels then [1]
   /// d(ray)/d(pixel) at each dot's centre.
   std::array<Eigen::Matrix2d, kDotCount> normalised_per_px;
   /// A dot's pixels before they are sorted into its groups.

@@ -50,6 +50,8 @@ constexpr double kMovedAway_px = 0.25;  // a step, or a change of the band, afte
 // standard deviation, and no more than 0.003 px. With 0.03 px as standard deviation the former is a chi^2 of 3; with
 // more, the pixels are few and a stage is cheap.
 constexpr double kLastStep_chi2 = 3, kLastStep_px = 0.05, kLeftSigmas = 0.1;
+// Offset, blur and tone move along a valley together: until the whole step gains little, or the pose has settled.
+constexpr double kLastGain_chi2 = 10, kLastTone_chi2 = 0.3;
 // What an expectation is off by, as its first step tells: at most (the blur: further away the step's direction is a
 // guess), and where its groups may be weighed as if it were right (the floor of the last stages, twice). A second step
 // that is still as long says that the first one led nowhere.
@@ -71,11 +73,23 @@ constexpr double kUnseenShare = 1e-3;  // of a dot's information: directions tha
 constexpr double kHeldSigma = 1e-3, kFreeSigma = 1e3;  // of offset [px] and blur [px^2] in one step
 constexpr double kOffsetSigma_px = 0.35;               // prior: an sRGB curve moves edges by 0.3 px (METHOD, section 3)
 constexpr double kHarmonicSigma_px2 = 0.6;             // prior of the blur's direction: of the mean blur's size
+// Prior of the tone: between a linear picture and one with an sRGB curve, once the blur is wider than kNoTone_px2; from
+// kAllTone_px2 on as wide as that. Of a sharper picture it would be the offset once more, and take from the pose what
+// tells them apart.
+constexpr double kMeanTone = 0.5, kToneSigma = 0.5, kHeldToneSigma = 0.01;
+constexpr double kNoTone_px2 = 0.8, kAllTone_px2 = 1.2;
+// Then the offset is what ink spreads on paper: with both free, and the blur, steps go to and fro along a valley that
+// leaves the pose where it is.
+constexpr double kDotGainSigma_px = 0.1;
+// What an sRGB curve that is taken for an offset and a Gaussian makes of them: outlines that much further out, in
+// sigmas of the blur, and that share of its variance.
+constexpr double kToneOffset = -0.43, kToneBlur = 0.19;
+// Until the first fit: of ink and paper in usual light. [LSB]
+constexpr double kUsualPaper_lsb = 190, kUsualContrast_lsb = 145;
 constexpr double kMeanBlur_px2 = 0.7, kMeanBlurSigma_px2 = 3;  // prior: 0.84 px, small sensors; up to 2.5 px at 2 sigma
 
 double band_of(const OutlineState& state) noexcept {
-  const double sigma_px = std::sqrt(state.blur_px2 + std::hypot(state.blur_cos_px2, state.blur_sin_px2));
-  return std::clamp(kBandPerSigma * sigma_px + kBandSlack_px, kLeastBand_px, kMostBand_px);
+  return std::clamp(kBandPerSigma * std::sqrt(state.widest_px2()) + kBandSlack_px, kLeastBand_px, kMostBand_px);
 }
 
 const Stage& stage_of(int stage) noexcept { return kStages[static_cast<std::size_t>(stage)]; }
@@ -86,15 +100,19 @@ OutlineRefiner::OutlineRefiner(const CameraModel& camera, const LandmarkGeometry
     : camera_(camera), landmark_(landmark), rays_(rays), pixels_(kMaxPixels) {}
 
 const OptimiserStatistics& OutlineRefiner::refine(const ImageView& luma, const OutlineState& start, Start quality,
-                                                  double warp_px, int& pixels, Shadows shadows) noexcept {
+                                                  double warp_px, int& pixels, Light light) noexcept {
   luma_ = luma;
-  shadows_ = shadows;
+  light_ = light;
   pixels_left_ = pixels;
   state_ = start;
   quality_ = quality;
   warp_px_ = warp_px;
   cuts_.fill(Cut::kBySize);
   pixels_.light_edges.fill(std::nullopt);
+  pixels_.tone_bends.fill(srgb_bend(kUsualPaper_lsb, kUsualContrast_lsb));
+  tone_share_ = light == Light::kFull ? tone_share() : 0;
+  pixels_.has_tone = tone_share_ > 0;
+  if (pixels_.has_tone) guess_tone();
   look_ = {};
   // What is about where it was foretold is seen as it was; of a guess that is not, slopes of the ink are misfit.
   pixels_.ink_share = quality == Start::kExpected ? kUsualInkShare : 0;
@@ -111,6 +129,20 @@ const OptimiserStatistics& OutlineRefiner::refine(const ImageView& luma, const O
 
 bool OutlineRefiner::is_first_of_expectation(int stage) const noexcept {
   return quality_ == Start::kExpected && stage == kCloseStage;
+}
+
+double OutlineRefiner::tone_share() const noexcept {
+  // What a colour camera's pattern leaves of the outlines says nothing of the curve.
+  if (luma_.has_pattern) return 0;
+  return std::clamp((state_.widest_px2() - kNoTone_px2) / (kAllTone_px2 - kNoTone_px2), 0.0, 1.0);
+}
+
+/// From where an offset that has been taken for all of it is, there is no way down.
+void OutlineRefiner::guess_tone() noexcept {
+  const double sigma_px = std::sqrt(state_.blur_px2);
+  state_.tone = tone_share_ * std::clamp(state_.offset_px / (kToneOffset * sigma_px), 0.0, 1.0);
+  state_.offset_px -= state_.tone * kToneOffset * sigma_px;
+  state_.blur_px2 *= 1 - state_.tone * kToneBlur;
 }
 
 bool OutlineRefiner::look_again_if_stale(int stage) noexcept {
@@ -148,7 +180,7 @@ bool OutlineRefiner::linearise(int stage) noexcept {
       if (const auto moved = fitter.find_edge(groups[g], &*edge)) edge = moved;
     }
     fitter.fit(groups[g], fits_[g], every);
-    if (shadows_ == Shadows::kFitEdges && cuts_[groups[g].dot] == Cut::kSectors)
+    if (light_ == Light::kFull && cuts_[groups[g].dot] == Cut::kSectors)
       fits_[g].light_px2 = kCutMoves_px * kCutMoves_px;
   }
   weigh_groups(groups, fits_, std::max(stage_of(stage).shift_floor_px, warp_px_), weights_);
@@ -173,7 +205,7 @@ bool OutlineRefiner::follow_shadows() noexcept {
     bool any_dark = false;
     for (end = g; end < groups.size() && groups[end].dot == dot.dot; ++end) any_dark = any_dark || is_dark(fits_[end]);
     Cut& cut = cuts_[dot.dot];
-    const bool may_have_edge = shadows_ == Shadows::kFitEdges && semi_minor_px(dot.dot) < kWholeDotBelow_px;
+    const bool may_have_edge = light_ == Light::kFull && semi_minor_px(dot.dot) < kWholeDotBelow_px;
     if (!any_dark || cut == Cut::kSectors || !(dot.whole_dot || may_have_edge)) continue;
     dot.count = groups[end - 1].first + groups[end - 1].count - dot.first;
     std::optional<LightEdge>& edge = pixels_.light_edges[dot.dot];
@@ -205,9 +237,9 @@ StepVerdict OutlineRefiner::take(int stage, const Step& step) noexcept {
   const OutlineState before = state_;
   state_.apply(step);
   last_step_ = step;
-  Step moved = step;  // the blur may have met its limits
-  moved.tail<3>() << state_.blur_px2 - before.blur_px2, state_.blur_cos_px2 - before.blur_cos_px2,
-      state_.blur_sin_px2 - before.blur_sin_px2;
+  Step moved = step;  // blur and tone may have met their limits
+  moved.tail<4>() << state_.blur_px2 - before.blur_px2, state_.blur_cos_px2 - before.blur_cos_px2,
+      state_.blur_sin_px2 - before.blur_sin_px2, state_.tone - before.tone;
   gain_ = moved.dot(2 * gradient_of_pixels_ - of_pixels_ * moved);
   if (!(state_.T_camera_landmark.translation_m.z() > 0)) return StepVerdict::kUndetermined;
   const double by_px = step_px(step);
@@ -221,9 +253,12 @@ StepVerdict OutlineRefiner::take(int stage, const Step& step) noexcept {
   const double sigma_px = 1 / std::sqrt(information_(6, 6));
   const bool leaves_little =
       step_chi2(step) < kLastStep_chi2 || by_px * by_px < kLeftSigmas * sigma_px * std::sqrt(before.blur_px2);
-  const bool settled = is_fine && is_calm && !look_.split_since && leaves_little && by_px < kLastStep_px;
+  const bool is_same_tone = !pixels_.has_tone || gain_ < kLastGain_chi2 || step_chi2(step) < kLastTone_chi2;
+  const bool settled =
+      is_fine && is_calm && !look_.split_since && leaves_little && by_px < kLastStep_px && is_same_tone;
   if (settled) return StepVerdict::kSettled;
   pixels_.ink_share = ink_share_of(weights_.fit);
+  if (pixels_.has_tone && stage == kCloseStage) bend_tones(pixels_.groups.span(), fits_, weights_, pixels_.tone_bends);
   return StepVerdict::kGoOn;
 }
 
@@ -261,10 +296,11 @@ bool OutlineRefiner::solve_equations(double nuisance_sigma, Step& step) noexcept
     information_(unknown, unknown) += 1 / (sigma * sigma);
     b(unknown) += (mean - value) / (sigma * sigma);
   };
-  prior(6, state_.offset_px, 0, kOffsetSigma_px);
+  prior(6, state_.offset_px, 0, std::lerp(kOffsetSigma_px, kDotGainSigma_px, tone_share_));
   prior(7, state_.blur_px2, kMeanBlur_px2, kMeanBlurSigma_px2);
   prior(8, state_.blur_cos_px2, 0, kHarmonicSigma_px2);
   prior(9, state_.blur_sin_px2, 0, kHarmonicSigma_px2);
+  prior(kToneUnknown, state_.tone, tone_share_ * kMeanTone, kHeldToneSigma + tone_share_ * kToneSigma);
   for (int unknown = kPoseUnknowns; unknown < kUnknowns; ++unknown) prior(unknown, 0, 0, nuisance_sigma);
   const Eigen::LDLT<UnknownMatrix> ldlt(information_);
   if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 0)) return false;

@@ -28,17 +28,22 @@ class OutlineRefiner {
     kExpected,  ///< the same, foretold and not seen: given up where they turn out to be further off
   };
 
-  /// What becomes of small dots that a shadow's edge crosses.
-  enum class Shadows : std::uint8_t {
-    kCutDots,   ///< they are cut into sectors, each with light of its own
-    kFitEdges,  ///< one straight edge is fitted with each of them, where that explains its light
+  /// What the light of a picture is taken for.
+  enum class Light : std::uint8_t {
+    /// Small dots that a shadow's edge crosses are cut into sectors, each with light of its own, and a tone curve moves
+    /// all outlines alike.
+    kSimple,
+    /// One straight edge is fitted with each of those dots, where that explains its light, and the tone curve bends the
+    /// grey levels of a wide blur (tone.h).
+    kFull,
   };
 
   /// \param warp_px  how far the dots may lie from where one flat sheet shows them, before any is an outlier
   /// \param pixels  how many pixels it may fit, each counted once per stage; fewer afterwards. Used up, it leads
-  /// nowhere. \return  how it went; unless it has converged the rest means nothing
+  /// nowhere. \param light  what the picture's is taken for [1] \return  how it went; unless it has converged the rest
+  /// means nothing
   const OptimiserStatistics& refine(const ImageView& luma, const OutlineState& start, Start quality, double warp_px,
-                                    int& pixels, Shadows shadows = Shadows::kCutDots) noexcept;
+                                    int& pixels, Light light = Light::kSimple) noexcept;
 
   /// How much worse `other` explains the pixels that this state was fitted to: difference of chi^2 [1].
   /// \param enough  where it is surely more than that, the answer may be anything in between [1]
@@ -60,6 +65,12 @@ class OutlineRefiner {
   /// Whether an edge of light explains one of them at least.
   bool has_light_edges() const noexcept;
 
+  /// How far a tone curve is more than an offset of the outlines, as wide as their blur is. 0..1
+  double tone_share() const noexcept;
+
+  /// Whether the tone curve is one of the unknowns.
+  bool has_tone() const noexcept { return pixels_.has_tone; }
+
   /// Of the ring's dots, seen from in front. [px]
   double dot_radius_px() const noexcept;
 
@@ -76,9 +87,9 @@ class OutlineRefiner {
   using Step = UnknownVector;
   /// \param stage  index of the stage under way
   bool linearise(int stage) noexcept;
-  /// \param stage  index of the stage under way \param step  [m] (pose), [px] (offset), [px^2] (blur)
+  /// \param stage  index of the stage under way \param step  [m] (pose), [px] (offset), [px^2] (blur), [1] (tone)
   StepVerdict solve(int stage, Step& step) noexcept;
-  /// \param stage  index of the stage under way \param step  [m] (pose), [px] (offset), [px^2] (blur)
+  /// \param stage  index of the stage under way \param step  [m] (pose), [px] (offset), [px^2] (blur), [1] (tone)
   StepVerdict take(int stage, const Step& step) noexcept;
 
  private:
@@ -87,6 +98,7 @@ class OutlineRefiner {
     double band_px = 0, moved_px = 0;
     bool thinned = false, split_since = false;
   };
+  void guess_tone() noexcept;
   bool look_again_if_stale(int stage) noexcept;
   bool follow_shadows() noexcept;
   double semi_minor_px(std::size_t dot) const noexcept;
@@ -114,7 +126,8 @@ class OutlineRefiner {
   GroupFits fits_;
   OutlineWeights weights_;
   Cuts cuts_{};
-  Shadows shadows_ = Shadows::kCutDots;
+  Light light_ = Light::kSimple;
+  double tone_share_ = 0;  ///< of the state that refine() began with
   OutlineState state_, linearised_at_;
   UnknownVector last_step_ = UnknownVector::Zero();  // from there
   OptimiserStatistics statistics_;

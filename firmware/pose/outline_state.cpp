@@ -12,6 +12,8 @@ constexpr double kMinBlur_px2 = 0.12;
 constexpr double kMaxBlur_px2 = 25;
 // What is left of the smallest blur across its narrow direction.
 constexpr double kNarrowShare = 0.8;
+// A curve that is steeper than sRGB's; a little of its opposite, for what else bends a blur.
+constexpr double kLeastTone = -0.5, kMostTone = 1.5;
 // Of the variance, what a triangle over the neighbours adds in the mean over the pattern, each way.
 constexpr double kInterpolated_px2 = 0.5;
 
@@ -25,6 +27,7 @@ void OutlineState::apply(const UnknownVector& step) noexcept {
   blur_px2 = std::clamp(blur_px2 + step(7), kMinBlur_px2, kMaxBlur_px2);
   blur_cos_px2 += step(8);
   blur_sin_px2 += step(9);
+  tone = std::clamp(tone + step(kToneUnknown), kLeastTone, kMostTone);
   const double harmonic = std::hypot(blur_cos_px2, blur_sin_px2);
   const double most = blur_px2 - kNarrowShare * kMinBlur_px2;
   if (harmonic > most) blur_cos_px2 *= most / harmonic, blur_sin_px2 *= most / harmonic;

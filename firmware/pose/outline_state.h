@@ -1,6 +1,7 @@
 #pragma once
 /// What is unknown about the picture of one landmark's outlines.
 #include <Eigen/Core>
+#include <cmath>
 
 #include "geometry/sheet_motion.h"
 #include "geometry/transform.h"
@@ -8,8 +9,8 @@
 namespace ninedot {
 
 /// Order of the unknowns: rotation (3, about the landmark's origin: angle times kLever_m [m]), translation (3, camera
-/// frame [m]), outline offset [px], blur (3) [px^2].
-inline constexpr int kUnknowns = 10, kPoseUnknowns = 6;
+/// frame [m]), outline offset [px], blur (3) [px^2], tone [1].
+inline constexpr int kUnknowns = 11, kPoseUnknowns = 6, kToneUnknown = 10;
 using UnknownMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using UnknownVector = Eigen::Matrix<double, kUnknowns, 1>;
 /// Makes a unit of rotation move the ring as far as a unit of translation: the default ring's radius. Scaling alone:
@@ -22,10 +23,16 @@ struct OutlineState {
   double blur_px2 = 0.7;  ///< variance of the point spread, mean over directions
   /// Its second harmonic [px^2]: half of the variance along x minus along y; and the same of the diagonals.
   double blur_cos_px2 = 0, blur_sin_px2 = 0;
+  /// Of how the camera's curve bends the blur's grey levels (tone.h): 0 linear, or no more than an offset; 1 sRGB.
+  double tone = 0;
 
   SheetMotion motion{};  ///< of the sheet while the rows are exposed; taken as known
 
-  /// Moves the state by a step; keeps the blur possible. \param step  [m] (pose), [px] (offset), [px^2] (blur)
+  /// Variance of the point spread in its wide direction. [px^2]
+  double widest_px2() const noexcept { return blur_px2 + std::hypot(blur_cos_px2, blur_sin_px2); }
+
+  /// Moves the state by a step; keeps blur and tone possible.
+  /// \param step  [m] (pose), [px] (offset), [px^2] (blur), [1] (tone)
   void apply(const UnknownVector& step) noexcept;
 };
 

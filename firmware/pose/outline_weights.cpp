@@ -189,6 +189,24 @@ float ink_share_of(const OutlineFit& fit) noexcept {
   return static_cast<float>(std::clamp((ink_lsb + kToe_lsb) / (fit.paper_lsb + kToe_lsb), 0.0, 1.0));
 }
 
+void bend_tones(std::span<const OutlineGroup> groups, const GroupFits& fits, const OutlineWeights& weights,
+                std::array<ToneBend, kDotCount>& bends) noexcept {
+  struct Light {
+    double paper_lsb = 0, contrast_lsb = 0, pixels = 0;  // the first two by pixels
+  };
+  std::array<Light, kDotCount> lights;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (!weights.outline_there[i]) continue;
+    Light& light = lights[groups[i].dot];
+    light.paper_lsb += groups[i].count * fits[i].paper_lsb;
+    light.contrast_lsb += groups[i].count * fits[i].contrast_lsb;
+    light.pixels += groups[i].count;
+  }
+  for (std::size_t dot = 0; dot < kDotCount; ++dot)
+    if (lights[dot].contrast_lsb > 0)
+      bends[dot] = srgb_bend(lights[dot].paper_lsb / lights[dot].pixels, lights[dot].contrast_lsb / lights[dot].pixels);
+}
+
 bool is_shadowed(double variance_lsb2, double contrast_lsb, double noise_variance_lsb2) noexcept {
   return variance_lsb2 > kShadowVariance * noise_variance_lsb2 + square(kModelMisfit * contrast_lsb);
 }

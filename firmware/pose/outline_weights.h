@@ -32,6 +32,12 @@ void weigh_groups(std::span<const OutlineGroup> groups, const GroupFits& fits, d
 /// Memory: none. Threads: pure.
 float ink_share_of(const OutlineFit& fit) noexcept;
 
+/// How an sRGB curve bends the grey levels of dots whose outlines are there: by their own light. Others stay.
+/// \param bends  of each dot [1]
+/// Memory: none. Threads: pure.
+void bend_tones(std::span<const OutlineGroup> groups, const GroupFits& fits, const OutlineWeights& weights,
+                std::array<ToneBend, kDotCount>& bends) noexcept;
+
 /// Whether pixels lie so far about a group's light that a shadow's edge, or another one, may cross it.
 /// \param variance_lsb2  theirs [LSB^2] \param noise_variance_lsb2  of one pixel [LSB^2]
 /// Memory: none. Threads: pure.

@@ -101,6 +101,22 @@ TEST(BlurredDisc, IsWhatAGaussianSumsUpToOverTheDisc) {
   }
 }
 
+// A blur that is wide along an outline reaches over its bend: a profile across it is off by up to half a pixel.
+TEST(BlurredDisc, IsOneUpToTwiceTheSizeWhereTheToneIsFitted) {
+  const OutlineState state = state_of({"motion past a dot of 7 px", 2.3, 0.3, 1.8, 1.4, 0});
+  OutlinePixels pixels = pinhole();
+  EXPECT_FALSE(BlurredDisc(pixels, {}, state, kDot, Asked::kLightOnly).is_small());
+  pixels.has_tone = true;
+  const BlurredDisc disc(pixels, {}, state, kDot, Asked::kLightOnly);
+  ASSERT_TRUE(disc.is_small());
+  for (const Eigen::Vector2d& pixel_px : pixels_around(state)) {
+    Lanes x, y, share;
+    x.fill(static_cast<float>(pixel_px.x() / kFocal_px)), y.fill(static_cast<float>(pixel_px.y() / kFocal_px));
+    disc.ink_share(x, y, share);
+    EXPECT_NEAR(static_cast<double>(share[0]), ink_share(state, pixel_px), 2e-3);
+  }
+}
+
 TEST(BlurredDisc, ColumnsAreCentralDifferencesOfTheGreyLevel) {
   for (const Case& c : kCases) {
     const OutlineState state = state_of(c);
@@ -111,7 +127,7 @@ TEST(BlurredDisc, ColumnsAreCentralDifferencesOfTheGreyLevel) {
       std::array<Lanes, kMoveColumns> moves;
       std::array<Lanes, kBlurColumns> blur;
       disc.ink_share(x, y, share, moves, blur);
-      for (int i = 0; i < kUnknowns; ++i) {
+      for (int i = 0; i < kToneUnknown; ++i) {
         const double by = i < kPoseUnknowns ? 1e-4 : 1e-2;
         UnknownVector step = UnknownVector::Zero();
         step(i) = by;
@@ -127,6 +143,27 @@ TEST(BlurredDisc, ColumnsAreCentralDifferencesOfTheGreyLevel) {
         EXPECT_NEAR(ours, numeric, i < kPoseUnknowns ? 0.8 : 4e-3) << c.name << ", unknown " << i;
       }
     }
+  }
+}
+
+// Ink that has spread is more ink.
+TEST(BlurredDisc, AnOffsetIsAnotherRadiusAndItsAreaWhereTheToneIsFitted) {
+  OutlineState printed = state_of(kCases[0]);
+  printed.T_camera_landmark = sheet_at(5.6, 0);
+  OutlineState spread = printed;
+  spread.offset_px = 0.3;
+  LandmarkGeometry larger;
+  larger.dot_radius_m += 0.3 * 5.6 / kFocal_px;
+  OutlinePixels pixels = pinhole();
+  pixels.has_tone = true;
+  const BlurredDisc disc(pixels, {}, spread, kDot, Asked::kLightOnly),
+      other(pixels, larger, printed, kDot, Asked::kLightOnly);
+  for (const Eigen::Vector2d& pixel_px : pixels_around(printed)) {
+    Lanes x, y, share, expected;
+    x.fill(static_cast<float>(pixel_px.x() / kFocal_px)), y.fill(static_cast<float>(pixel_px.y() / kFocal_px));
+    disc.ink_share(x, y, share);
+    other.ink_share(x, y, expected);
+    EXPECT_NEAR(static_cast<double>(share[0]), static_cast<double>(expected[0]), 2e-3);
   }
 }
 

@@ -24,7 +24,8 @@ double squares(const OutlinePixels& pixels, const OutlineState& state) {
   return sum;
 }
 
-TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
+/// \param tone  of the state; 0: it is none of the unknowns
+void expect_gradient_of_squares(double tone) {
   test::Scene scene;
   scene.camera = test::look_at_landmark({.distance_m = 1.0, .tilt_rad = 0.5, .azimuth_rad = 0.7});
   set_noise(scene.sensor, 1.0);
@@ -33,7 +34,7 @@ TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
   state.T_camera_landmark = test::sheet_before(scene.camera);
   state.blur_px2 = 0.4;
   UnknownVector off = UnknownVector::Zero();
-  off << 2e-4, -1e-4, 2e-4, 1e-4, -2e-4, 1e-3, 0, 0, 0, 0;  // a fraction of a pixel
+  off << 2e-4, -1e-4, 2e-4, 1e-4, -2e-4, 1e-3, 0, 0, 0, 0, tone;  // a fraction of a pixel
   state.apply(off);
 
   const CameraModel camera;
@@ -41,6 +42,8 @@ TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
   OutlinePixels pixels(12000);
   collect_outline_pixels(picture.view(), camera, rays, LandmarkGeometry{}, state.T_camera_landmark, 3, 1, {}, {},
                          pixels);
+  pixels.has_tone = tone != 0;
+  pixels.tone_bends.fill(srgb_bend(190, 145));
   ASSERT_GE(pixels.groups.size(), kDotCount);
 
   UnknownVector gradient = UnknownVector::Zero();
@@ -60,7 +63,7 @@ TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
   gradient = (turn * gradient).eval();
   normal = (turn * normal * turn.transpose()).eval();
   // Steps that move outlines by about a hundredth of a pixel.
-  const std::array<double, kUnknowns> steps{1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-4, 0.01, 0.01, 0.01, 0.01};
+  const std::array<double, kUnknowns> steps{1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-4, 0.01, 0.01, 0.01, 0.01, 0.01};
   for (int k = 0; k < kUnknowns; ++k) {
     UnknownVector step = UnknownVector::Zero();
     step(k) = steps[static_cast<std::size_t>(k)];
@@ -71,8 +74,13 @@ TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResiduals) {
     // The Jacobian leaves out how the outline's steepness changes with the pose: second order in the distance.
     const double scale = std::sqrt(normal(k, k) * squares(pixels, state));
     EXPECT_NEAR(gradient(k), numeric, 0.03 * scale) << "unknown " << k;
+    EXPECT_EQ(normal(k, k) > 0, k != kToneUnknown || tone != 0) << "unknown " << k;
   }
 }
+
+TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResiduals) { expect_gradient_of_squares(0); }
+
+TEST(OutlineSums, GradientEqualsCentralDifferencesOfTheSquaredResidualsOfABentTone) { expect_gradient_of_squares(0.7); }
 
 /// Columns of one group as a matrix, a pixel in each row.
 Eigen::MatrixXd columns_of(const OutlinePixels& pixels, const OutlineGroup& group, const OutlineState& state) {

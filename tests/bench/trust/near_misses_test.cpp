@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(
         LookAlike{"ThreeSpots", "arcs of dots", {448681750029585703U}},
         LookAlike{"RingsOf14OfTheRadiusFromAside",
                   "ring of 1.4 R",
-                  {1870171829768299490U, 18180937317587794297U, 3415425033192107199U}},
+                  {1870171829768299490U, 18180937317587794297U, 3415425033192107199U, 5590358779758869204U}},
         LookAlike{"TwoRings", "two concentric rings", {17320328543251747921U}},
         LookAlike{"EllipsesFromAside", "ellipses for dots", {4728282974048918888U, 1862047198337096385U}},
         LookAlike{"SquaresFromAside", "squares for dots", {12817026344986193459U, 16287834567679173667U}},
