@@ -111,7 +111,7 @@ void bend_tone(const DotView& v, OutlineColumns& columns) noexcept {
   for (std::size_t unknown = 0; unknown < kToneUnknown; ++unknown)
     for (std::size_t l = 0; l < kLanes; ++l) columns[kStateColumn + unknown][l] *= slope[l];
   if constexpr (kAsked == Asked::kState)
-    for (std::size_t l = 0; l < kLanes; ++l) columns[kStateColumn + kToneUnknown][l] = -bend[l];
+    for (std::size_t l = 0; l < kLanes; ++l) columns[kToneColumn][l] = -bend[l];
 }
 
 /// The columns of the group's light, by the share of each pixel that is ink. A slope of the light is one of the paper
@@ -263,8 +263,8 @@ inline void fill_edge(const Pixels& some, const EdgeView& edge, const DotView& v
     columns[kEdgeTurnColumn][l] = kSlopeUnit * step * (edge.across_x * dy - edge.across_y * dx);
     columns[kEdgeWidthColumn][l] = step * u;
   }
-  for (std::size_t unknown = 0; unknown < kUnknowns; ++unknown)
-    for (std::size_t l = 0; l < kLanes; ++l) columns[kStateColumn + unknown][l] *= contrast[l];
+  for (std::size_t unknown = kToneColumn; unknown < kGreyColumn; ++unknown)
+    for (std::size_t l = 0; l < kLanes; ++l) columns[unknown][l] *= contrast[l];
 }
 
 /// Of an outline that is long beside its blur: the profile across it.
@@ -321,7 +321,6 @@ void fill(const OutlinePixels& pixels, const OutlineGroup& group, const DotView&
       fill_small<kAsked>(some, disc, batches[batch]);
     else
       fill_profile<kAsked>(some, v, batches[batch]);
-    if constexpr (kAsked != Asked::kLightOnly) batches[batch][kStateColumn + kToneUnknown] = Lanes{};
     if (v.has_tone) bend_tone<kAsked>(v, batches[batch]);
     fill_light(some, group, v, first_luma, batches[batch]);
     if (group.whole_dot && edge)

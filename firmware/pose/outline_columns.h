@@ -23,7 +23,9 @@ namespace ninedot {
 /// (offset), [1/px^2] (blur); the grey level [LSB]; then the light's [1], so that a group without the last ones ends
 /// earlier.
 inline constexpr std::size_t kPatternColumns = 4;
-inline constexpr std::size_t kStateColumn = kPatternColumns, kGreyColumn = kStateColumn + kUnknowns;
+/// The tone's comes first: where it is none of the unknowns, nobody begins with it.
+inline constexpr std::size_t kToneColumn = kPatternColumns, kStateColumn = kToneColumn + 1,
+                             kGreyColumn = kStateColumn + kToneUnknown;
 inline constexpr std::size_t kPaperColumn = kGreyColumn + 1, kInkColumn = kGreyColumn + 2,
                              kBeyondColumn = kGreyColumn + 3, kSlopeXColumn = kGreyColumn + 4,
                              kSlopeYColumn = kGreyColumn + 5;

@@ -189,13 +189,25 @@ bool eliminate_own(ProductSums& sums, std::size_t first, std::size_t end, OwnLig
 }
 
 /// What is left says how the outline moves, for a contrast of 1: times the contrast it is the normal equations.
-void take_normal(const ProductSums& left, GroupFit& fit) noexcept {
+void take_normal(const ProductSums& left, bool has_tone, GroupFit& fit) noexcept {
   // A row of the sums' lower triangle is a column of the upper one.
-  using Upper = Eigen::Map<const UnknownMatrix, Eigen::Unaligned, Eigen::OuterStride<kColumns>>;
-  fit.normal = fit.contrast_lsb * fit.contrast_lsb * Upper(&left[kStateColumn][kStateColumn]);
+  using Square = Eigen::Matrix<double, kToneUnknown, kToneUnknown>;
+  using Upper = Eigen::Map<const Square, Eigen::Unaligned, Eigen::OuterStride<kColumns>>;
+  using Row = Eigen::Map<const Eigen::Matrix<double, kToneUnknown, 1>>;
+  using Column =
+      Eigen::Map<const Eigen::Matrix<double, kToneUnknown, 1>, Eigen::Unaligned, Eigen::InnerStride<kColumns>>;
+  const double contrast2_lsb2 = fit.contrast_lsb * fit.contrast_lsb;
+  fit.normal.topLeftCorner<kToneUnknown, kToneUnknown>() = contrast2_lsb2 * Upper(&left[kStateColumn][kStateColumn]);
+  fit.normal.col(kToneUnknown).setZero();
+  fit.gradient.head<kToneUnknown>() = fit.contrast_lsb * Row(&left[kGreyColumn][kStateColumn]);
+  fit.gradient(kToneUnknown) = 0;
+  if (has_tone) {
+    fit.normal.col(kToneUnknown).head<kToneUnknown>() = contrast2_lsb2 * Column(&left[kStateColumn][kToneColumn]);
+    fit.normal(kToneUnknown, kToneUnknown) = contrast2_lsb2 * left[kToneColumn][kToneColumn];
+    fit.gradient(kToneUnknown) = fit.contrast_lsb * left[kGreyColumn][kToneColumn];
+  }
   for (Eigen::Index i = 1; i < kUnknowns; ++i)
     for (Eigen::Index j = 0; j < i; ++j) fit.normal(i, j) = fit.normal(j, i);
-  fit.gradient = fit.contrast_lsb * Eigen::Map<const UnknownVector>(&left[kGreyColumn][kStateColumn]);
   fit.shift_information = fit.normal(6, 6);
   fit.usable = fit.shift_information > 0;
   fit.shift_px = fit.usable ? fit.gradient(6) / fit.shift_information : 0;
@@ -250,11 +262,13 @@ void GroupFitter::fit(const OutlineGroup& group, GroupFit& fit, std::size_t ever
                             fit.degrees_of_freedom >= kLeastFreedom + static_cast<int>(kPatternColumns);
   if (has_edge) fit.light_px2 = square(pixels_.light_edges[group.dot]->moves_px);
   look_at(group);
-  const std::size_t first = asked_ == Asked::kLightOnly ? kGreyColumn : kStateColumn, end = kPaperColumn + own;
+  const bool with_tone = asked_ == Asked::kState && pixels_.has_tone;
+  const std::size_t first = asked_ == Asked::kLightOnly ? kGreyColumn : with_tone ? kToneColumn : kStateColumn;
+  const std::size_t end = kPaperColumn + own;
   const ColumnRange asked{first, end};
   constexpr ColumnRange kPattern{0, kPatternColumns};
   ProductSums sums;
-  for (std::size_t i = first; i < end; ++i) std::fill_n(&sums[i][kStateColumn], end - kStateColumn, 0.0);
+  for (std::size_t i = first; i < end; ++i) std::fill_n(&sums[i][first], end - first, 0.0);
   if (with_pattern)
     for (std::array<double, kColumns>& row : sums) std::fill_n(row.begin(), kPatternColumns, 0.0);
   alignas(kVectorAlignment) ColumnBatches batches;
@@ -279,7 +293,7 @@ void GroupFitter::fit(const OutlineGroup& group, GroupFit& fit, std::size_t ever
   fit.paper_lsb = light.paper_lsb + static_cast<double>(pixels_.luma[static_cast<std::size_t>(group.first)]);
   fit.squared_residuals = std::max(sums[kGreyColumn][kGreyColumn], 0.0);
   fit.usable = std::isfinite(fit.squared_residuals);
-  if (asked_ != Asked::kLightOnly && fit.usable) take_normal(sums, fit);
+  if (asked_ != Asked::kLightOnly && fit.usable) take_normal(sums, with_tone, fit);
 }
 
 }  // namespace ninedot

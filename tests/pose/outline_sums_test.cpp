@@ -134,26 +134,27 @@ TEST(OutlineSums, PatternIsEliminatedLikeTheLight) {
     light_only.fit(group, light);
     ASSERT_TRUE(fit.usable && light.usable);
     const Eigen::MatrixXd all = columns_of(pixels, group, state);
-    const Eigen::MatrixXd asked = all.middleCols<kUnknowns + 1>(kStateColumn);
+    const Eigen::MatrixXd asked = all.middleCols<kToneUnknown + 1>(kStateColumn);
     Eigen::MatrixXd own = all.middleCols<5>(kPaperColumn);
     Eigen::VectorXd ridge(5);
     ridge << 0, 0, 1e-3, 1e-3, 1e-3;
     const Eigen::MatrixXd without = left_of(asked, own, ridge);
-    const double variance_lsb2 = without(kUnknowns, kUnknowns) / (group.count - 5);
+    const double variance_lsb2 = without(kToneUnknown, kToneUnknown) / (group.count - 5);
     own.conservativeResize(Eigen::NoChange, 9);
     own.rightCols<4>() = all.leftCols<kPatternColumns>();
     ridge.conservativeResize(9);
     ridge.tail<4>().setConstant(variance_lsb2 / std::pow(0.1 * fit.contrast_lsb, 2));
     const Eigen::MatrixXd with = left_of(asked, own, ridge);
-    EXPECT_NEAR(fit.squared_residuals, with(kUnknowns, kUnknowns), 1e-3 * with(kUnknowns, kUnknowns));
+    EXPECT_NEAR(fit.squared_residuals, with(kToneUnknown, kToneUnknown), 1e-3 * with(kToneUnknown, kToneUnknown));
     EXPECT_NEAR(light.squared_residuals, fit.squared_residuals, 1e-6 * fit.squared_residuals);
-    EXPECT_LT(fit.squared_residuals, without(kUnknowns, kUnknowns));
-    const UnknownMatrix normal = fit.contrast_lsb * fit.contrast_lsb * with.topLeftCorner<kUnknowns, kUnknowns>();
-    const UnknownVector gradient = fit.contrast_lsb * with.col(kUnknowns).head<kUnknowns>();
-    for (Eigen::Index i = 0; i < kUnknowns; ++i) {
+    EXPECT_LT(fit.squared_residuals, without(kToneUnknown, kToneUnknown));
+    const Eigen::MatrixXd normal =
+        fit.contrast_lsb * fit.contrast_lsb * with.topLeftCorner<kToneUnknown, kToneUnknown>();
+    const Eigen::VectorXd gradient = fit.contrast_lsb * with.col(kToneUnknown).head<kToneUnknown>();
+    for (Eigen::Index i = 0; i < kToneUnknown; ++i) {
       const double scale = std::sqrt(normal(i, i));
       EXPECT_NEAR(fit.gradient(i), gradient(i), 1e-3 * scale * std::sqrt(fit.squared_residuals)) << i;
-      for (Eigen::Index j = 0; j < kUnknowns; ++j)
+      for (Eigen::Index j = 0; j < kToneUnknown; ++j)
         EXPECT_NEAR(fit.normal(i, j), normal(i, j), 1e-3 * scale * std::sqrt(normal(j, j))) << i << ", " << j;
     }
   }
