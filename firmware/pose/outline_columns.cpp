@@ -263,7 +263,7 @@ inline void fill_edge(const Pixels& some, const EdgeView& edge, const DotView& v
     columns[kEdgeTurnColumn][l] = kSlopeUnit * step * (edge.across_x * dy - edge.across_y * dx);
     columns[kEdgeWidthColumn][l] = step * u;
   }
-  for (std::size_t unknown = kToneColumn; unknown < kGreyColumn; ++unknown)
+  for (std::size_t unknown = v.has_tone ? kToneColumn : kStateColumn; unknown < kGreyColumn; ++unknown)
     for (std::size_t l = 0; l < kLanes; ++l) columns[unknown][l] *= contrast[l];
 }
 

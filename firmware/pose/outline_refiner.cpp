@@ -97,7 +97,11 @@ const Stage& stage_of(int stage) noexcept { return kStages[static_cast<std::size
 }  // namespace
 
 OutlineRefiner::OutlineRefiner(const CameraModel& camera, const LandmarkGeometry& landmark, const RayTable& rays)
-    : camera_(camera), landmark_(landmark), rays_(rays), pixels_(kMaxPixels) {}
+    : camera_(camera),
+      landmark_(landmark),
+      rays_(rays),
+      usual_bend_(srgb_bend(kUsualPaper_lsb, kUsualContrast_lsb)),
+      pixels_(kMaxPixels) {}
 
 const OptimiserStatistics& OutlineRefiner::refine(const ImageView& luma, const OutlineState& start, Start quality,
                                                   double warp_px, int& pixels, Light light) noexcept {
@@ -109,7 +113,6 @@ const OptimiserStatistics& OutlineRefiner::refine(const ImageView& luma, const O
   warp_px_ = warp_px;
   cuts_.fill(Cut::kBySize);
   pixels_.light_edges.fill(std::nullopt);
-  pixels_.tone_bends.fill(srgb_bend(kUsualPaper_lsb, kUsualContrast_lsb));
   tone_share_ = light == Light::kFull ? tone_share() : 0;
   pixels_.has_tone = tone_share_ > 0;
   if (pixels_.has_tone) guess_tone();
@@ -139,6 +142,7 @@ double OutlineRefiner::tone_share() const noexcept {
 
 /// From where an offset that has been taken for all of it is, there is no way down.
 void OutlineRefiner::guess_tone() noexcept {
+  pixels_.tone_bends.fill(usual_bend_);
   const double sigma_px = std::sqrt(state_.blur_px2);
   state_.tone = tone_share_ * std::clamp(state_.offset_px / (kToneOffset * sigma_px), 0.0, 1.0);
   state_.offset_px -= state_.tone * kToneOffset * sigma_px;

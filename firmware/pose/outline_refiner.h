@@ -111,6 +111,7 @@ class OutlineRefiner {
   CameraModel camera_;
   LandmarkGeometry landmark_;
   const RayTable& rays_;
+  ToneBend usual_bend_;  ///< until the first fit tells each dot's light
 
   // Of the refinement under way.
   ImageView luma_;
