@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <thread>
 
 #include "drivers/modbus/rtu_server.h"
 #include "drivers/modbus/tcp_server.h"
@@ -17,24 +19,52 @@
 namespace ninedot {
 namespace {
 
+using namespace std::chrono_literals;
+
+// A service that ends needs a moment from its last connection to its socket's end, and shows no descriptor in it.
+constexpr auto kUntilItEnded = 1s;
+constexpr auto kBetweenLooks = 50ms;
+
+struct TcpPort {
+  int error = 0;  ///< of listening there; 0: it is free
+  Listening service = Listening::kNo;
+};
+
+TcpPort look_at(const ModbusTcpConfig& tcp) {
+  const Result<void> free = try_listen(tcp.listen, tcp.port);
+  if (free) return {};
+  const int error = free.error().os_errno;
+  return {error, error == EADDRINUSE ? find_listener("ninedotd", tcp.port) : Listening::kNo};
+}
+
+/// A service that is being restarted may let go of its port between the two halves of one look.
+TcpPort settled(const ModbusTcpConfig& tcp) {
+  const auto until = std::chrono::steady_clock::now() + kUntilItEnded;
+  TcpPort port = look_at(tcp);
+  while (port.error == EADDRINUSE && port.service == Listening::kNo && std::chrono::steady_clock::now() < until) {
+    std::this_thread::sleep_for(kBetweenLooks);
+    port = look_at(tcp);
+  }
+  return port;
+}
+
 /// The first, because a running service explains what else is in use.
 void check_modbus_tcp(const ModbusTcpConfig& tcp, ConfigFindings& findings) {
-  const Result<void> free = try_listen(tcp.listen, tcp.port);
-  if (free) return;
-  const int error = free.error().os_errno;
-  const Listening service = error == EADDRINUSE ? find_listener("ninedotd", tcp.port) : Listening::kNo;
-  if (service != Listening::kNo) {
+  const TcpPort port = settled(tcp);
+  if (port.error == 0) return;
+  if (port.service != Listening::kNo) {
     findings.note_running_service();
     findings.note("modbus.tcp.port",
                   fmt::format("{} port {} is in use{}", tcp.listen, tcp.port,
-                              service == Listening::kYes
+                              port.service == Listening::kYes
                                   ? " by a running ninedotd"
                                   : "; a ninedotd is running, which may be what has it: root sees whether it is"));
     return;
   }
-  findings.refuse(error == EADDRNOTAVAIL ? "modbus.tcp.listen" : "modbus.tcp.port",
-                  fmt::format("{} port {}: {}{}", tcp.listen, tcp.port, std::strerror(error),
-                              error == EADDRINUSE ? ": stop the program that uses it, or choose another port" : ""));
+  findings.refuse(
+      port.error == EADDRNOTAVAIL ? "modbus.tcp.listen" : "modbus.tcp.port",
+      fmt::format("{} port {}: {}{}", tcp.listen, tcp.port, std::strerror(port.error),
+                  port.error == EADDRINUSE ? ": stop the program that uses it, or choose another port" : ""));
 }
 
 void check_devices(const Config& config, const ConfigProblems& problems, std::optional<CameraModel>& camera,

@@ -8,10 +8,13 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
+#include <thread>
 
 #include "base/startup_error.h"
 #include "drivers/modbus/server.h"
@@ -269,19 +272,43 @@ TEST_F(Commands, CheckKnowsARunningServiceFromAnotherProgramOnItsPort) {
       << outcome.line;
 }
 
+/// Somebody's socket that listens on a port of the loopback interface.
+class Listener {
+ public:
+  Listener() : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof(address);
+    EXPECT_EQ(::bind(socket_.get(), reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(::listen(socket_.get(), 1), 0);
+    EXPECT_EQ(::getsockname(socket_.get(), reinterpret_cast<sockaddr*>(&address), &size), 0);
+    port_ = ntohs(address.sin_port);
+  }
+  std::uint16_t port() const { return port_; }
+
+ private:
+  FileDescriptor socket_;
+  std::uint16_t port_ = 0;
+};
+
 TEST_F(Commands, CheckFindsAPortInUse) {
-  const int server = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof(address);
-  ASSERT_EQ(::bind(server, reinterpret_cast<sockaddr*>(&address), size), 0);
-  ASSERT_EQ(::listen(server, 1), 0);
-  ASSERT_EQ(::getsockname(server, reinterpret_cast<sockaddr*>(&address), &size), 0);
-  const std::string text = camera() + fmt::format("[modbus.tcp]\nport = {}", ntohs(address.sin_port));
-  EXPECT_NE(refusal(text).find("Address already in use: stop the program that uses it"), std::string::npos);
-  ::close(server);
-  EXPECT_EQ(check(text).status, ExitStatus::kSuccess);
+  const Listener other;
+  EXPECT_NE(refusal(camera() + fmt::format("[modbus.tcp]\nport = {}", other.port()))
+                .find("Address already in use: stop the program that uses it"),
+            std::string::npos);
+}
+
+// A service that is being restarted ends while the check looks.
+TEST_F(Commands, CheckWaitsForAPortThatIsBeingLetGo) {
+  std::optional<Listener> ending(std::in_place);
+  const std::string text = camera() + fmt::format("[modbus.tcp]\nport = {}", ending->port());
+  std::jthread end([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    ending.reset();
+  });
+  const Outcome outcome = check(text);
+  EXPECT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
 }
 
 TEST_F(Commands, RecordTakesEveryFrameOfARecording) {
