@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ninedot {
 namespace {
@@ -23,6 +24,10 @@ constexpr double kSameReading_chi2 = 4;
 constexpr double kStartSpeed_m_s = 1.0, kStartTurning_rad_s = 1.0;
 /// A place known no better than this, all axes together, is none to begin with.
 constexpr double kMaxStartSigma_m = 1.0;
+/// Nor one known no better than this share of the distance to the nearest sheet. What one sheet leaves open is an arc
+/// around it: three sigmas along, a Gaussian over places and turns lies beside it by 1.6 % of the distance, which is
+/// twice what a lone sheet of 2.5 px dots leaves of that; so wide a one would exclude what lies there. [1]
+constexpr double kMaxStartShare = 0.06;
 
 /// So long an error stays what it is while the robot moves: a sheet's place as long as it is in view, a dot's bias
 /// until it has gone on by a pixel. [s]
@@ -37,6 +42,13 @@ double seconds(std::chrono::nanoseconds time) noexcept { return std::chrono::dur
 
 double distance_chi2(const PoseStep& step, const PoseInformation& covariance) noexcept {
   return step.dot(covariance.llt().solve(step));
+}
+
+double nearest_m(const FrameView& frame, const WorldFromCamera& T_world_camera) noexcept {
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const JointMember& member : frame.members)
+    nearest_m = std::min(nearest_m, (member.T_world_landmark.translation_m - T_world_camera.translation_m).norm());
+  return nearest_m;
 }
 
 }  // namespace
@@ -92,7 +104,8 @@ FilterVerdict PoseFilter::start(MonoTime exposed_at, const FrameView& frame,
         climb(frame, reading.turn, shares().own, {reading.T_world_camera}, reading.T_world_camera, kGate_chi2);
     if (!crest || modes_.full()) continue;
     // A crest that says too little to begin with is not excluded by that: the others would seem to be alone.
-    if (crest->covariance.topLeftCorner<3, 3>().trace() > kMaxStartSigma_m * kMaxStartSigma_m) {
+    const double sigma_m = std::sqrt(crest->covariance.topLeftCorner<3, 3>().trace());
+    if (sigma_m > std::min(kMaxStartSigma_m, kMaxStartShare * nearest_m(frame, crest->T_world_camera))) {
       modes_.clear();
       return FilterVerdict::kNothing;
     }

@@ -177,6 +177,33 @@ TEST(PoseFilter, HoldsNoWrongCrestAcrossTheNormalOfALoneSheetUnlessItSaysSo) {
   EXPECT_LT(tally.beyond_6_sigma, 0.002 * tally.frames);
 }
 
+/// Drives along the wall, `distance_m` before it, the lone sheet seen from that far aside.
+Way before_the_wall(double distance_m, double aside_m) {
+  return [=](double t) {
+    const Eigen::Vector3d position_m(4 - distance_m, aside_m + t, 1.0);
+    return test::camera_at(position_m, std::atan2(-position_m.y(), distance_m), 0.07, 0);
+  };
+}
+
+// Of a sheet so far away and nearly from in front one picture leaves an arc of a metre open. Where the next pictures
+// lie on it, a Gaussian along its tangent excludes.
+TEST(PoseFilter, IsHonestFromTheFirstFramesOnOfALoneSheetFarAway) {
+  const LandmarkMap map = test::wall_map();
+  Tally tally;
+  for (const double aside_m : {0.2, 0.5, 0.8, 1.1})
+    for (unsigned seed = 1; seed <= 100; ++seed)
+      follow({.map = map,
+              .way = before_the_wall(5.7, aside_m),
+              .duration_s = 0.3,
+              .noise = {.ray_px = 0.1, .stated_px = 0.1},
+              .seed = seed,
+              .settles = 0},
+             tally);
+  EXPECT_GT(tally.frames, 2000);
+  EXPECT_EQ(tally.clear_and_wrong, 0);
+  EXPECT_EQ(tally.beyond_6_sigma, 0);
+}
+
 TEST(PoseFilter, BridgesHalfASecondWithoutSight) {
   const LandmarkMap map = test::room_map();
   Tally after;
