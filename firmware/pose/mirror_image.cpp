@@ -20,7 +20,8 @@ Eigen::Vector2d ray_of_dot(const CameraFromLandmark& T, const LandmarkGeometry& 
   return (T * Eigen::Vector3d(C.x(), 0, C.y())).hnormalized();
 }
 
-/// As much inclined to the other side of the line of sight: alike but for perspective.
+}  // namespace
+
 CameraFromLandmark reflected(const CameraFromLandmark& T) noexcept {
   const Eigen::Vector3d sight = T.translation_m.normalized();
   CameraFromLandmark other = T;
@@ -28,8 +29,6 @@ CameraFromLandmark reflected(const CameraFromLandmark& T) noexcept {
   other.rotation.col(1) *= -1;  // the normal: seen from in front all the same
   return other;
 }
-
-}  // namespace
 
 double evidence_of_places(const CameraFromLandmark& a, const CameraFromLandmark& b, const DotSightings& dots,
                           double pattern, const LandmarkGeometry& landmark) noexcept {

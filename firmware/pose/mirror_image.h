@@ -11,6 +11,9 @@ namespace ninedot {
 /// Visible shares of a landmark that nothing hides [1].
 inline constexpr std::array<double, kDotCount> kAllInSight{1, 1, 1, 1, 1, 1, 1, 1, 1};
 
+/// As much inclined to the other side of the line of sight: alike but for perspective. Memory: none. Threads: pure.
+CameraFromLandmark reflected(const CameraFromLandmark& T_camera_landmark) noexcept;
+
 /// The pose from which the dots' centres look most like those of `T`, on the other side of the line of sight: what the
 /// reflection of `T` there becomes when it is fitted to the centres as `T` shows them. Where perspective leaves these a
 /// single solution, the reflection itself: noise in a picture can have made a second one all the same, and `T` of it.

@@ -130,9 +130,9 @@ bool is_plausibly_hidden(const std::array<double, kDotCount>& visible) noexcept 
 
 /// From (rotation about the landmark's origin, translation) of the sheet before the camera to (position of the camera
 /// in S0, rotation vector in the camera frame): dc = R_lc (dw x t - dt), w = -dw.
-Matrix6d covariance_of(const OutlineRefiner& refiner, const DotSightings& dots, const CameraModel& camera,
-                       const LandmarkGeometry& landmark) noexcept {
-  const CameraFromLandmark& T = refiner.state().T_camera_landmark;
+/// \param of_step  of (rotation [rad], translation [m])
+Matrix6d covariance_of(const CameraFromLandmark& T, const Matrix6d& of_step, const DotSightings& dots,
+                       const CameraModel& camera, const LandmarkGeometry& landmark) noexcept {
   const Eigen::Vector3d& t = T.translation_m;
   Eigen::Matrix3d t_cross;
   t_cross << 0, -t.z(), t.y(), t.z(), 0, -t.x(), -t.y(), t.x(), 0;
@@ -140,14 +140,18 @@ Matrix6d covariance_of(const OutlineRefiner& refiner, const DotSightings& dots, 
   M.topLeftCorner<3, 3>() = -T.rotation.transpose() * t_cross;
   M.topRightCorner<3, 3>() = -T.rotation.transpose();
   M.bottomLeftCorner<3, 3>() = -Eigen::Matrix3d::Identity();
-  const UnknownMatrix all = refiner.information().inverse();
-  Matrix6d of_step = all.topLeftCorner<kPoseUnknowns, kPoseUnknowns>();
-  of_step.topRows<3>() /= kLever_m;
-  of_step.leftCols<3>() /= kLever_m;
   Matrix6d covariance = M * covariance_over_tilts(T, dots, landmark, of_step) * M.transpose();
   covariance = 0.5 * (covariance + covariance.transpose()).eval();
   covariance.bottomRightCorner<3, 3>().diagonal().array() += std::pow(kCommonShift_px / camera.fx_px, 2);
   return covariance;
+}
+
+Matrix6d covariance_of_step(const OutlineRefiner& refiner) noexcept {
+  const UnknownMatrix all = refiner.information().inverse();
+  Matrix6d of_step = all.topLeftCorner<kPoseUnknowns, kPoseUnknowns>();
+  of_step.topRows<3>() /= kLever_m;
+  of_step.leftCols<3>() /= kLever_m;
+  return of_step;
 }
 
 /// 0 nothing hidden, I..III of the founding paper as 1..3.
@@ -174,10 +178,21 @@ PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& cam
   pose.T_landmark_camera = refiner.state().T_camera_landmark.inverse();
   pose.rms_px = refiner.rms_px();
   pose.ellipse = ellipse_parameters(pose.T_landmark_camera, camera, landmark);
-  pose.covariance = covariance_of(refiner, candidate.dots, camera, landmark);
+  pose.covariance =
+      covariance_of(refiner.state().T_camera_landmark, covariance_of_step(refiner), candidate.dots, camera, landmark);
   const auto& visible = candidate.visible_share;
   pose.dots_used = dots_in_sight(visible);
   pose.occlusion_level = occlusion_level(visible);
+  return candidate;
+}
+
+PoseCandidate candidate_of(const PoseOfPlaces& other, const PoseCandidate& seen, const CameraModel& camera,
+                           const LandmarkGeometry& landmark) noexcept {
+  PoseCandidate candidate = seen;
+  candidate.outlines.T_camera_landmark = other.T_camera_landmark;
+  candidate.pose.T_landmark_camera = other.T_camera_landmark.inverse();
+  candidate.pose.ellipse = ellipse_parameters(candidate.pose.T_landmark_camera, camera, landmark);
+  candidate.pose.covariance = covariance_of(other.T_camera_landmark, other.covariance, seen.dots, camera, landmark);
   return candidate;
 }
 

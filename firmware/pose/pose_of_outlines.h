@@ -7,6 +7,7 @@
 #include "image/noise.h"
 #include "pose/estimate.h"
 #include "pose/outline_refiner.h"
+#include "pose/pose_of_places.h"
 
 namespace ninedot {
 
@@ -26,6 +27,12 @@ struct FitAllowance {
   bool is_coloured = false;
 };
 inline constexpr double kForetoldMisfit_px = 0.25;  ///< where a map and a track say that it is there
+
+/// Another reading of the same dots, which their places alone were asked for. \param seen  what was read first: light,
+/// blur and what is visible are the same \return  its `chi2_above` is still that of `seen`
+/// Memory: none. Threads: pure.
+PoseCandidate candidate_of(const PoseOfPlaces& other, const PoseCandidate& seen, const CameraModel& camera,
+                           const LandmarkGeometry& landmark) noexcept;
 
 /// Dots that are in sight, in part at least (kMinVisible). 0..9 [1] \param visible_share  of each dot's outline, 0..1
 /// Memory: none. Threads: pure.

@@ -1,0 +1,116 @@
+// What the mirror image of a landmark costs that a map and a track have told from it.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <optional>
+
+#include "detect/detector.h"
+#include "pose/full_solver.h"
+#include "pose/mirror_image.h"
+#include "pose/pose_of_outlines.h"
+#include "tests/pose/first_fit.h"
+
+namespace ninedot {
+namespace {
+
+constexpr FullSolverOptions kInRooms{.most_sigma = 1, .pattern_px = 0.1};
+
+/// A landmark that was seen in the frame before.
+class Followed {
+ public:
+  explicit Followed(const test::Viewpoint& viewpoint, double hidden_fraction = 0,
+                    const FullSolverOptions& options = kInRooms)
+      : solver_(CameraModel{}, LandmarkGeometry{}, options), scene_(test::scene_of(test::nine_dot_sheet(), viewpoint)) {
+    scene_.board.hidden_fraction = hidden_fraction;
+    first_ = test::first_fit(picture(1).view());
+  }
+
+  bool was_seen() const { return first_.has_value(); }
+  /// \param before  where the track had it \param is_settled  on which side that is
+  Result<PoseCandidates> follow(const CameraFromLandmark& before, bool is_settled) {
+    const test::Picture next = picture(2);
+    int left = WorkBudget{}.pixels;
+    auto answer =
+        solver_.follow(next.view(), {expected, std::nullopt}, {before, first_->outlines, 0, is_settled}, left);
+    pixels = WorkBudget{}.pixels - left;
+    return answer;
+  }
+  CameraFromLandmark pose() const { return first_->pose.T_landmark_camera.inverse(); }
+  CameraFromLandmark mirrored() const { return mirror_image(pose(), LandmarkGeometry{}); }
+
+  CameraFromLandmark expected;  ///< where it is looked for
+  int pixels = 0;               ///< that the last one looked at
+
+ private:
+  test::Picture picture(std::uint64_t seed) const { return test::render(scene_, seed); }
+
+  FullSolver solver_;
+  test::Scene scene_;
+  std::optional<PoseCandidate> first_;
+};
+
+/// Both of its readings were fitted to the picture: where one is of the other's places, it has the other's residual.
+bool are_of_the_picture(const PoseCandidates& found) {
+  return found.list.size() == 2 && found.list[0].pose.rms_px != found.list[1].pose.rms_px;
+}
+
+TEST(FollowInRooms, WhereTheSideIsSettledTheMirrorImageTakesNoPixels) {
+  for (const double distance_m : {4.0, 5.0, 6.0}) {
+    Followed landmark({.distance_m = distance_m, .tilt_rad = 0.5, .azimuth_rad = distance_m});
+    ASSERT_TRUE(landmark.was_seen()) << distance_m;
+    landmark.expected = landmark.pose();
+    const auto by_picture = landmark.follow(landmark.pose(), false);
+    const int with_mirror = landmark.pixels;
+    const auto by_places = landmark.follow(landmark.pose(), true);
+    ASSERT_TRUE(by_picture && by_places) << distance_m;
+    EXPECT_LT(landmark.pixels, 0.7 * with_mirror) << distance_m;
+    EXPECT_TRUE(are_of_the_picture(*by_picture)) << distance_m;
+    ASSERT_EQ(by_places->list.size(), 2U) << distance_m;
+    EXPECT_TRUE(by_places->list[1].refined);
+    // The two say the same of it.
+    const auto mirror = [](const PoseCandidates& found) { return found.list[1].pose.T_landmark_camera.inverse(); };
+    EXPECT_LT(angle_between_rad(mirror(*by_places), mirror(*by_picture)), 0.1) << distance_m;
+    EXPECT_NEAR(by_places->list[1].chi2_above / by_picture->list[1].chi2_above, 1, 0.5) << distance_m;
+  }
+}
+
+TEST(FollowInRooms, ASideThatThePlacesContradictIsAskedOfThePicture) {
+  Followed landmark({.distance_m = 3, .tilt_rad = 0.5, .azimuth_rad = 1});
+  ASSERT_TRUE(landmark.was_seen());
+  landmark.expected = landmark.mirrored();
+  const auto followed = landmark.follow(landmark.mirrored(), true);
+  ASSERT_TRUE(followed);
+  EXPECT_TRUE(are_of_the_picture(*followed));
+  EXPECT_LT(angle_between_rad(followed->list[0].pose.T_landmark_camera.inverse(), landmark.pose()), 0.1);
+}
+
+TEST(FollowInRooms, APoseThatHasLeftItsSideIsAskedOfThePicture) {
+  Followed landmark({.distance_m = 5, .tilt_rad = 0.5, .azimuth_rad = 1});
+  ASSERT_TRUE(landmark.was_seen());
+  landmark.expected = landmark.pose();
+  const auto followed = landmark.follow(landmark.mirrored(), true);
+  ASSERT_TRUE(followed);
+  EXPECT_TRUE(are_of_the_picture(*followed));
+}
+
+TEST(FollowInRooms, OfFewDotsThePictureIsAsked) {
+  Followed landmark({.distance_m = 3, .tilt_rad = 0.5, .azimuth_rad = 1}, 0.3);
+  ASSERT_TRUE(landmark.was_seen());
+  landmark.expected = landmark.pose();
+  const auto followed = landmark.follow(landmark.pose(), true);
+  ASSERT_TRUE(followed);
+  ASSERT_LE(followed->list[0].pose.dots_used, kFewDots);
+  EXPECT_TRUE(are_of_the_picture(*followed));
+}
+
+TEST(FollowInRooms, WithoutAMapThePictureIsAsked) {
+  Followed landmark({.distance_m = 5, .tilt_rad = 0.5, .azimuth_rad = 1}, 0, {});
+  ASSERT_TRUE(landmark.was_seen());
+  landmark.expected = landmark.pose();
+  const auto followed = landmark.follow(landmark.pose(), true);
+  ASSERT_TRUE(followed);
+  EXPECT_TRUE(are_of_the_picture(*followed));
+}
+
+}  // namespace
+}  // namespace ninedot
