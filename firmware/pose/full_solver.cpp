@@ -213,8 +213,9 @@ bool FullSolver::Workspace::is_on_settled_side(const PosePrior& prior,
 /// tell the two apart anyway. \return  false: it takes the picture to tell
 bool FullSolver::Workspace::list_by_places(const PosePrior& prior, const PoseCandidate& believed,
                                            PoseCandidates& candidates) const noexcept {
+  if (options.pattern_px == 0 || !prior.side_is_settled) return false;
   // What few dots say suits the pose that their weights are of.
-  if (options.pattern_px == 0 || believed.pose.dots_used <= kFewDots) return false;
+  if (believed.pose.dots_used <= kFewDots) return false;
   const CameraFromLandmark& own = first.state().T_camera_landmark;
   const auto other = fit_to_places(believed.dots, landmark, reflected(own));
   if (!other) return false;

@@ -43,6 +43,9 @@ constexpr int kLeastBlank = 3, kFewDots = 5, kLeastBlankOfFew = 2;
 constexpr double kAroundDot = 1.6;           // radii: the sheet's paper about a dot, far from the next one
 constexpr double kThere = 0.75;              // of its outline: a dot that is where it belongs
 constexpr double kPaper = 0.15, kInk = 0.5;  // how much darker than paper, of the contrast
+// Likewise. In a shadow, which what hides a dot casts beside it, paper has the grey that the thing itself may have.
+// Where it is deep that says nothing; a dot that is printed elsewhere leaves ink as well, blank places that grey alone.
+constexpr double kShaded = 0.65, kWhite = 0.35;
 
 // Of the blank paper's way from P9's outline to those of the ring: circles that are looked along, in so many
 // directions, and the two beside them on which a spot's directions are paper.
@@ -299,18 +302,21 @@ int count_absent(const ImageView& luma, const CameraModel& camera, const Landmar
   for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
     const bool before = is_missing(dot + 7), after = is_missing(dot + 1);
     const bool row_is_short = !(before && (after || is_missing(dot + 6))) && !(after && is_missing(dot + 2));
-    if (!is_missing(dot)) continue;
+    if (!is_missing(dot) || paper[dot] > kShaded) continue;
+    const double lit = 1 - paper[dot] * fit.contrast_lsb / fit.paper_lsb;  // contrasts are as much smaller there
     const auto is_paper = [&](const Eigen::Vector2d& plane_m) {
       const auto darkness = light.darkness_at(plane_m);
-      return darkness && std::abs(*darkness - paper[dot]) < kPaper;
+      return darkness && std::abs(*darkness - paper[dot]) < kPaper * lit;
     };
     int bare = 0, inked = 0;
     for (int i = 0; i < kDirections; ++i) {
       bare += is_paper(beside(landmark, dot, i, kInside));
-      for (const double radii : kBeside) inked += light.darkness_at(beside(landmark, dot, i, radii)) > kInk;
+      for (const double radii : kBeside)
+        inked += light.darkness_at(beside(landmark, dot, i, radii)) > paper[dot] + kInk * lit;
     }
     if (row_is_short && bare >= kLeastBare && inked >= kLeastInked) ++absent;
-    blank += visible_share[dot] < kMinVisible && bare == kDirections && is_paper(landmark.centre_m(dot));
+    blank += paper[dot] < kWhite && visible_share[dot] < kMinVisible && bare == kDirections &&
+             is_paper(landmark.centre_m(dot));
   }
   if (is_centre_aside(light, landmark)) ++absent;
   const bool few = std::ranges::count(is_there, true) <= kFewDots;

@@ -16,7 +16,7 @@ struct PoseOfPlaces {
 };
 
 /// Gauss-Newton over the dots' middles, each with its covariance: the pose of greatest likelihood beside the start.
-/// What the outlines' shapes say is left out; of a landmark that is small in the picture that is little (method.md, 5).
+/// What the outlines' shapes say is left out; of a landmark that is small in the picture that is little (method.md, 8).
 /// \param dots  those without information are left out
 /// \return  none: they determine no pose, or one that is behind the camera Memory: none. Threads: pure.
 std::optional<PoseOfPlaces> fit_to_places(const DotSightings& dots, const LandmarkGeometry& landmark,

@@ -9,7 +9,7 @@
 namespace ninedot::bench {
 namespace {
 
-constexpr double kLeft_px = 64, kRight_px = 600, kTop_px = 24, kBottom_px = 270;
+constexpr double kLeft_px = 64, kRight_px = 590, kTop_px = 24, kBottom_px = 270;
 
 // Of Okabe & Ito's palette, told apart by colour-blind eyes.
 constexpr const char *kGrey = "#555555", *kBlue = "#0072B2", *kVermilion = "#D55E00";

@@ -103,6 +103,19 @@ TEST(FollowInRooms, OfFewDotsThePictureIsAsked) {
   EXPECT_TRUE(are_of_the_picture(*followed));
 }
 
+// There the dots' places may show one pose where the outlines have two.
+TEST(FollowInRooms, NearlyFromInFrontThePictureIsAskedUntilTheSideIsSettled) {
+  for (const double tilt_rad : {0.0, 0.02, 0.05}) {
+    Followed landmark({.distance_m = 3, .tilt_rad = tilt_rad, .azimuth_rad = 1});
+    ASSERT_TRUE(landmark.was_seen());
+    landmark.expected = landmark.pose();
+    ASSERT_TRUE(landmark.follow(landmark.pose(), true)) << tilt_rad;
+    const int without_mirror = landmark.pixels;
+    ASSERT_TRUE(landmark.follow(landmark.pose(), false)) << tilt_rad;
+    EXPECT_GT(landmark.pixels, 1.3 * without_mirror) << tilt_rad;
+  }
+}
+
 TEST(FollowInRooms, WithoutAMapThePictureIsAsked) {
   Followed landmark({.distance_m = 5, .tilt_rad = 0.5, .azimuth_rad = 1}, 0, {});
   ASSERT_TRUE(landmark.was_seen());

@@ -336,6 +336,46 @@ TEST(CountAbsent, AsksForOneLessWhereFewAreThere) {
   EXPECT_EQ(absent_of(few, {1, 2, 5}), 2);
 }
 
+TEST(CountAbsent, SaysLessOfWhatLiesInAShadow) {
+  const auto in_shadow = [](double remaining) {
+    test::Light light;
+    light.shadows.push_back({.direction_rad = 0, .offset_m = 0.08, .width_m = 0.22, .remaining = remaining});
+    return light;
+  };
+  test::Sheet half = test::nine_dot_sheet();
+  half.discs.erase(half.discs.begin() + 1, half.discs.begin() + 4);
+  EXPECT_EQ(absent_of(half, {1, 2, 3}, in_shadow(0.8)), 3);
+  EXPECT_EQ(absent_of(half, {1, 2, 3}, in_shadow(0.35)), 0) << "a board of that grey, or paper";
+  const test::Sheet moved = with_moved_dot(2, 0, 2);
+  EXPECT_EQ(absent_of(moved, {2}, in_shadow(0.35)), 1) << "there is ink as well";
+  EXPECT_EQ(absent_of(moved, {2}, in_shadow(0.12)), 0) << "everything is dark";
+}
+
+// Its own shadow lies beside it, and paper in a shadow may be as grey as the board is.
+TEST(CountAbsent, LeavesDotsToABoardThatCastsAShadow) {
+  constexpr double kEdge_m = 0.105;  // of the sheet, from P9
+  int looked_at = 0;
+  for (const double hidden : {0.1, 0.2, 0.3, 0.4})
+    for (const double direction_rad : {0.0, 0.8, 2.5})
+      for (const auto& [reflectance, remaining] :
+           {std::pair(0.2, 0.35), std::pair(0.34, 0.35), std::pair(0.13, 0.17)}) {
+        test::Scene scene = test::scene_of(test::nine_dot_sheet(), kUsual);
+        scene.board.hidden_fraction = hidden;
+        scene.board.direction_rad = direction_rad;
+        scene.board.texture = {.reflectance = reflectance, .contrast = 0.1};
+        scene.light.shadows.push_back({.direction_rad = direction_rad,
+                                       .offset_m = kEdge_m - 2 * kEdge_m * hidden + 0.035,
+                                       .width_m = 0.13,
+                                       .penumbra_m = 0.004,
+                                       .remaining = remaining});
+        const auto looked = look_at(scene);
+        if (!looked) continue;
+        ++looked_at;
+        EXPECT_EQ(looked->candidate.shape.absent, 0) << hidden << ' ' << direction_rad << ' ' << remaining;
+      }
+  EXPECT_GT(looked_at, 30) << "of 36";
+}
+
 TEST(CountAbsent, LeavesLongRowsToWhatHidesThem) {
   test::Sheet moved = with_moved_dot(2, 0, 2);
   EXPECT_EQ(absent_of(moved, {2, 3}), 1);
