@@ -30,6 +30,7 @@ struct LocaliserOptions {
   PoseFilterOptions filter{};
   /// [frames] between two searches of the whole picture while landmarks are followed (RoomLocaliser): three searches a
   /// second at 35 frames a second show a sheet that the map does not expect, at a tenth of a search for each frame.
+  /// While they do not tell where the camera is, every frame is searched.
   int search_every = 10;
   bool calibrated = true;
   /// What the calibration leaves open about the intrinsics [px^2, px, 1]; none: it does not say, and no sigma knows.

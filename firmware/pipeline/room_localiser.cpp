@@ -366,6 +366,9 @@ void RoomLocaliser::look_at(const Frame& frame) noexcept {
     identify(frame);
   }
   const WorldVerdict verdict = place_in_world(frame);
+  // What else comes into view tells where the camera is, or tells it better.
+  if (verdict != WorldVerdict::kValid && verdict != WorldVerdict::kNothingSeen)
+    frames_since_search_ = options_.search_every;
 
   WorkBudget& budget = lens_->seeker.budget();
   budget.is_overdrawn |= budget.pixels <= 0;

@@ -229,6 +229,20 @@ TEST(RoomLocaliser, SearchesOnWhileNobodyInViewIsOfItsMap) {
   EXPECT_EQ(fix.main().id, 14);
 }
 
+TEST(RoomLocaliser, SearchesOnWhileWhatIsInViewDoesNotTellWhereTheCameraIs) {
+  const test::Picture one = test::render(scene_of({kWall[1]}, kFromAside), 1);
+  const test::Picture all = test::render(scene_of({kWall[0], kWall[1], kWall[2]}, kFromAside), 2);
+  RoomLocaliser unit(CameraModel{}, {.map = map_of_wall()});
+  for (std::uint64_t number = 1; number < 4; ++number) {
+    const Fix& fix = unit.process(frame_of(one, number));
+    EXPECT_TRUE(fix.found);
+    EXPECT_FALSE(fix.world);
+  }
+  const Fix& fix = unit.process(frame_of(all, 4));
+  ASSERT_TRUE(fix.world) << "at once, not at the next search of every tenth frame";
+  EXPECT_EQ(fix.world->used.size(), 3U);
+}
+
 /// In the same place, from one frame to the next.
 TEST(RoomLocaliser, NamesAnewASheetThatWasPutInThePlaceOfAnother) {
   test::Viewpoint viewpoint = kFromAside;
