@@ -74,6 +74,15 @@ bool is_nearby(const PoseEstimate& first, const PoseEstimate& second) noexcept {
   return apart.dot(first.covariance.ldlt().solve(apart)) < kNearby_chi2;
 }
 
+/// What a track has settled says nothing for a pose that has left its side.
+bool is_on_settled_side(const PosePrior& prior, const CameraFromLandmark& own,
+                        const CameraFromLandmark& mirrored) noexcept {
+  const auto from_track_rad = [&](const CameraFromLandmark& T) {
+    return angle_between_rad(prior.T_camera_landmark, T);
+  };
+  return prior.side_is_settled && from_track_rad(own) < from_track_rad(mirrored);
+}
+
 }  // namespace
 
 struct FullSolver::Workspace {
@@ -96,7 +105,6 @@ struct FullSolver::Workspace {
                     const PosePrior* prior, double warp_px, int& pixels, const SheetMotion& motion) noexcept;
   double preference(const OutlineRefiner& whose, const CameraFromLandmark& other) const noexcept;
   double believable(double chi2_above, const OutlineState& other) const noexcept;
-  bool is_on_settled_side(const PosePrior& prior, const CameraFromLandmark& mirrored) const noexcept;
   bool list_by_places(const PosePrior& prior, const PoseCandidate& believed, PoseCandidates& candidates) const noexcept;
   std::optional<PoseCandidate> weigh_mirror(const ImageView& luma, const PosePrior* prior, double warp_px,
                                             int& pixels) noexcept;
@@ -200,15 +208,6 @@ double FullSolver::Workspace::believable(double chi2_above, const OutlineState& 
   return std::clamp(chi2_above, -most_chi2, most_chi2);
 }
 
-/// What a track has settled says nothing for a pose that has left its side.
-bool FullSolver::Workspace::is_on_settled_side(const PosePrior& prior,
-                                               const CameraFromLandmark& mirrored) const noexcept {
-  const auto from_track_rad = [&](const CameraFromLandmark& T) {
-    return angle_between_rad(prior.T_camera_landmark, T);
-  };
-  return prior.side_is_settled && from_track_rad(first.state().T_camera_landmark) < from_track_rad(mirrored);
-}
-
 /// The readings without another look at the picture: of a side that is settled, where the dots' places are all that may
 /// tell the two apart anyway. \return  false: it takes the picture to tell
 bool FullSolver::Workspace::list_by_places(const PosePrior& prior, const PoseCandidate& believed,
@@ -216,12 +215,12 @@ bool FullSolver::Workspace::list_by_places(const PosePrior& prior, const PoseCan
   if (options.pattern_px == 0 || !prior.side_is_settled) return false;
   // What few dots say suits the pose that their weights are of.
   if (believed.pose.dots_used <= kFewDots) return false;
-  const CameraFromLandmark& own = first.state().T_camera_landmark;
+  const CameraFromLandmark own = believed.pose.T_landmark_camera.inverse();  // with its light, as its dots are
   const auto other = fit_to_places(believed.dots, landmark, reflected(own));
   if (!other) return false;
   std::optional<PoseCandidate> mirror;
   if (angle_between_rad(other->T_camera_landmark, own) >= kSamePose_rad) {
-    if (!is_on_settled_side(prior, other->T_camera_landmark)) return false;
+    if (!is_on_settled_side(prior, own, other->T_camera_landmark)) return false;
     mirror = candidate_of(*other, believed, camera, landmark);
     mirror->chi2_above =
         believable(preference_of_places(own, other->T_camera_landmark, believed.dots, landmark), mirror->outlines);
@@ -244,8 +243,8 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
   mirror.pose.T_landmark_camera = mirrored.T_camera_landmark.inverse();
   mirror.outlines = mirrored;
   mirror.chi2_above = believable(first.chi2_above(mirrored, kBeyondDoubt_chi2), mirrored);
-  const bool is_settled =
-      prior != nullptr && apart_rad > kApart_rad && is_on_settled_side(*prior, mirrored.T_camera_landmark);
+  const bool is_settled = prior != nullptr && apart_rad > kApart_rad &&
+                          is_on_settled_side(*prior, first.state().T_camera_landmark, mirrored.T_camera_landmark);
   // A wrong pose of few dots has weights that suit it, and by these the right one is excluded by 80 to 3600.
   const double decisive_chi2 = is_settled                           ? kSettled_chi2
                                : dots_in_sight(visible) <= kFewDots ? std::numeric_limits<double>::infinity()

@@ -22,11 +22,10 @@ constexpr double kSameReading_chi2 = 4;
 
 /// A robot that is first seen drives and turns so fast, 1-sigma of each axis.
 constexpr double kStartSpeed_m_s = 1.0, kStartTurning_rad_s = 1.0;
-/// A place known no better than this, all axes together, is none to begin with.
-constexpr double kMaxStartSigma_m = 1.0;
-/// Nor one known no better than this share of the distance to the nearest sheet. What one sheet leaves open is an arc
-/// around it: three sigmas along, a Gaussian over places and turns lies beside it by 1.6 % of the distance, which is
-/// twice what a lone sheet of 2.5 px dots leaves of that; so wide a one would exclude what lies there. [1]
+/// A place known no better than this share of the distance to the nearest sheet, all axes together, is none to begin
+/// with. What one sheet leaves open is an arc around it: three sigmas along, a Gaussian over places and turns lies
+/// beside it by 1.6 % of the distance, which is twice what a lone sheet of 2.5 px dots leaves of that; so wide a one
+/// would exclude what lies there. [1]
 constexpr double kMaxStartShare = 0.06;
 
 /// So long an error stays what it is while the robot moves: a sheet's place as long as it is in view, a dot's bias
@@ -105,7 +104,7 @@ FilterVerdict PoseFilter::start(MonoTime exposed_at, const FrameView& frame,
     if (!crest || modes_.full()) continue;
     // A crest that says too little to begin with is not excluded by that: the others would seem to be alone.
     const double sigma_m = std::sqrt(crest->covariance.topLeftCorner<3, 3>().trace());
-    if (sigma_m > std::min(kMaxStartSigma_m, kMaxStartShare * nearest_m(frame, crest->T_world_camera))) {
+    if (sigma_m > kMaxStartShare * nearest_m(frame, crest->T_world_camera)) {
       modes_.clear();
       return FilterVerdict::kNothing;
     }

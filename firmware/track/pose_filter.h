@@ -50,7 +50,7 @@ enum class FilterVerdict : std::uint8_t {
   kStarted,  ///< the track begins with it, the first or anew
   kTaken,    ///< it is in the track
   kGated,    ///< not to be believed: the track goes on without it
-  kNothing,  ///< it shows nothing, or no reading that is known to 1 m and 6 % of the distance to begin with
+  kNothing,  ///< it shows nothing, or no reading that is known to 6 % of the distance to begin with
   kTooLate,  ///< not newer than the last one: refused
 };
 

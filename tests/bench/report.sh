@@ -25,6 +25,9 @@ if command -v valgrind > /dev/null; then
   full=$(instructions full) tracking=$(instructions tracking) apriltag=$(instructions apriltag)
   kept=$(awk -v full="$full" -v tracking="$tracking" 'BEGIN { print full <= 5 && tracking <= 1.2 ? "yes" : "**no**" }')
   echo "| speed | full search <= 5 million instructions, followed frame <= 1.2 million (callgrind) | $full, $tracking (AprilTag 3: $apriltag) | $kept |" >> "$work/rows"
+  followed=$("$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/landmark_cost.sh" | awk -F '|' 'END { printf "%d", $3 }')
+  kept=$(awk -v followed="$followed" 'BEGIN { print followed <= 300000 ? "yes" : "**no**" }')
+  echo "| speed | a further landmark that is followed in a room <= 300,000 instructions (\`landmark_cost.sh\`) | $followed | $kept |" >> "$work/rows"
 else
   echo "| speed | instructions per frame (callgrind) | valgrind is not installed | - |" >> "$work/rows"
 fi

@@ -26,8 +26,8 @@ class Followed {
   }
 
   bool was_seen() const { return first_.has_value(); }
-  /// \param before  where the track had it \param is_settled  on which side that is
-  Result<PoseCandidates> follow(const CameraFromLandmark& before, bool is_settled) {
+  /// \param expected  where it is looked for \param before  where the track had it \param is_settled  on which side
+  Result<PoseCandidates> follow(const CameraFromLandmark& expected, const CameraFromLandmark& before, bool is_settled) {
     const test::Picture next = picture(2);
     int left = WorkBudget{}.pixels;
     auto answer =
@@ -38,8 +38,7 @@ class Followed {
   CameraFromLandmark pose() const { return first_->pose.T_landmark_camera.inverse(); }
   CameraFromLandmark mirrored() const { return mirror_image(pose(), LandmarkGeometry{}); }
 
-  CameraFromLandmark expected;  ///< where it is looked for
-  int pixels = 0;               ///< that the last one looked at
+  int pixels = 0;  ///< that the last one looked at
 
  private:
   test::Picture picture(std::uint64_t seed) const { return test::render(scene_, seed); }
@@ -58,10 +57,9 @@ TEST(FollowInRooms, WhereTheSideIsSettledTheMirrorImageTakesNoPixels) {
   for (const double distance_m : {4.0, 5.0, 6.0}) {
     Followed landmark({.distance_m = distance_m, .tilt_rad = 0.5, .azimuth_rad = distance_m});
     ASSERT_TRUE(landmark.was_seen()) << distance_m;
-    landmark.expected = landmark.pose();
-    const auto by_picture = landmark.follow(landmark.pose(), false);
+    const auto by_picture = landmark.follow(landmark.pose(), landmark.pose(), false);
     const int with_mirror = landmark.pixels;
-    const auto by_places = landmark.follow(landmark.pose(), true);
+    const auto by_places = landmark.follow(landmark.pose(), landmark.pose(), true);
     ASSERT_TRUE(by_picture && by_places) << distance_m;
     EXPECT_LT(landmark.pixels, 0.7 * with_mirror) << distance_m;
     EXPECT_TRUE(are_of_the_picture(*by_picture)) << distance_m;
@@ -77,8 +75,7 @@ TEST(FollowInRooms, WhereTheSideIsSettledTheMirrorImageTakesNoPixels) {
 TEST(FollowInRooms, ASideThatThePlacesContradictIsAskedOfThePicture) {
   Followed landmark({.distance_m = 3, .tilt_rad = 0.5, .azimuth_rad = 1});
   ASSERT_TRUE(landmark.was_seen());
-  landmark.expected = landmark.mirrored();
-  const auto followed = landmark.follow(landmark.mirrored(), true);
+  const auto followed = landmark.follow(landmark.mirrored(), landmark.mirrored(), true);
   ASSERT_TRUE(followed);
   EXPECT_TRUE(are_of_the_picture(*followed));
   EXPECT_LT(angle_between_rad(followed->list[0].pose.T_landmark_camera.inverse(), landmark.pose()), 0.1);
@@ -87,8 +84,7 @@ TEST(FollowInRooms, ASideThatThePlacesContradictIsAskedOfThePicture) {
 TEST(FollowInRooms, APoseThatHasLeftItsSideIsAskedOfThePicture) {
   Followed landmark({.distance_m = 5, .tilt_rad = 0.5, .azimuth_rad = 1});
   ASSERT_TRUE(landmark.was_seen());
-  landmark.expected = landmark.pose();
-  const auto followed = landmark.follow(landmark.mirrored(), true);
+  const auto followed = landmark.follow(landmark.pose(), landmark.mirrored(), true);
   ASSERT_TRUE(followed);
   EXPECT_TRUE(are_of_the_picture(*followed));
 }
@@ -96,8 +92,7 @@ TEST(FollowInRooms, APoseThatHasLeftItsSideIsAskedOfThePicture) {
 TEST(FollowInRooms, OfFewDotsThePictureIsAsked) {
   Followed landmark({.distance_m = 3, .tilt_rad = 0.5, .azimuth_rad = 1}, 0.3);
   ASSERT_TRUE(landmark.was_seen());
-  landmark.expected = landmark.pose();
-  const auto followed = landmark.follow(landmark.pose(), true);
+  const auto followed = landmark.follow(landmark.pose(), landmark.pose(), true);
   ASSERT_TRUE(followed);
   ASSERT_LE(followed->list[0].pose.dots_used, kFewDots);
   EXPECT_TRUE(are_of_the_picture(*followed));
@@ -108,10 +103,9 @@ TEST(FollowInRooms, NearlyFromInFrontThePictureIsAskedUntilTheSideIsSettled) {
   for (const double tilt_rad : {0.0, 0.02, 0.05}) {
     Followed landmark({.distance_m = 3, .tilt_rad = tilt_rad, .azimuth_rad = 1});
     ASSERT_TRUE(landmark.was_seen());
-    landmark.expected = landmark.pose();
-    ASSERT_TRUE(landmark.follow(landmark.pose(), true)) << tilt_rad;
+    ASSERT_TRUE(landmark.follow(landmark.pose(), landmark.pose(), true)) << tilt_rad;
     const int without_mirror = landmark.pixels;
-    ASSERT_TRUE(landmark.follow(landmark.pose(), false)) << tilt_rad;
+    ASSERT_TRUE(landmark.follow(landmark.pose(), landmark.pose(), false)) << tilt_rad;
     EXPECT_GT(landmark.pixels, 1.3 * without_mirror) << tilt_rad;
   }
 }
@@ -119,8 +113,7 @@ TEST(FollowInRooms, NearlyFromInFrontThePictureIsAskedUntilTheSideIsSettled) {
 TEST(FollowInRooms, WithoutAMapThePictureIsAsked) {
   Followed landmark({.distance_m = 5, .tilt_rad = 0.5, .azimuth_rad = 1}, 0, {});
   ASSERT_TRUE(landmark.was_seen());
-  landmark.expected = landmark.pose();
-  const auto followed = landmark.follow(landmark.pose(), true);
+  const auto followed = landmark.follow(landmark.pose(), landmark.pose(), true);
   ASSERT_TRUE(followed);
   EXPECT_TRUE(are_of_the_picture(*followed));
 }
