@@ -45,6 +45,8 @@ echo "== $suite: $(git -C "$root/root/ninedot" log -1 --format='%h %s'): ${comma
 inside='
 set -euo pipefail
 root=$1 packages=$2 suite=$3 backports=$4; shift 4
+# A mount of its own, so that tests may make namespaces of mounts in it.
+mount --bind "$root" "$root"
 mount -t proc proc "$root/proc"
 mount -t tmpfs -o mode=755,nosuid tmpfs "$root/dev"
 node() { mknod -m 666 "$root/dev/$1" c "$2" "$3"; }

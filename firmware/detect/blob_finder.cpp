@@ -7,6 +7,7 @@
 #include "detect/blob_moments.h"
 #include "image/noise.h"
 #include "image/pyramid.h"
+#include "image/smooth.h"
 
 // Every level of the pyramid finds spots of 2 to about 20 of its own pixels with one small square; a dot of 130 px is a
 // dot of 16 px three levels up, where the noise is an eighth. Dark regions that fill the ellipse of their own moments
@@ -20,9 +21,13 @@ constexpr int kMinArea_px2 = 2;  // a dot of 2.6 px diameter, blurred, may leave
 // as this where it is a circle seen from 66 degrees aside. What is longer is seen whole a level up.
 constexpr int kMaxSide_px = 60;
 constexpr int kMinContrast_lsb = 10;  // a dot that differs less from its paper is not measurable
-// Sigmas of the level's own noise; the threshold is of the half-size picture, whose noise is half of that. Pure noise
-// of 6 grey levels then leaves fewer than 300 blobs (BlobFinder.TakesBlankPaperAndPureNoiseForNothing).
-constexpr double kContrastPerNoise = 4.0;
+// Sigmas of the noise of the half-size picture, which the threshold comes from. Pure noise of 6 grey levels then leaves
+// fewer than 300 blobs (Noises.AreTakenForNothing).
+constexpr double kContrastPerNoise = 8.0;
+// From here on [grey levels, 1-sigma] level 0 is smoothed: below, the contrast that noise asks for is at most half of
+// what ink has in poor light, and what smoothing adds to a dot's blur loses more than it gains. Dots of 2 to 5 px have
+// no other level.
+constexpr double kNoisy_lsb = 8;
 
 }  // namespace
 
@@ -42,6 +47,9 @@ BlobFinder::BlobFinder(int width_px, int height_px)
               ImageBuffer(std::max(width_px / 4, 1), std::max(height_px / 4, 1)),
               ImageBuffer(std::max(width_px / 8, 1), std::max(height_px / 8, 1)),
               ImageBuffer(std::max(width_px / 16, 1), std::max(height_px / 16, 1))},
+      rows_(width_px, height_px),
+      smoothed_(width_px, height_px),
+      half_smoothed_(std::max(width_px / 2, 1), std::max(height_px / 2, 1)),
       threshold_(std::max(width_px / 2, 1), std::max(height_px / 2, 1)),
       regions_(width_px, height_px),
       coarser_(width_px, height_px),
@@ -52,6 +60,7 @@ void BlobFinder::find_blobs(const ImageView& luma, Levels wanted, BlobList& blob
   EXPECTS(wanted.first >= 0 && wanted.first <= wanted.last && wanted.last < kLevels);
   blobs.clear();
   noise_lsb_ = estimate_noise_lsb(luma);
+  is_smoothed_ = false;
   for (int i = 0; i <= wanted.last; ++i) halve(i == 0 ? luma : levels_[i - 1].view(), levels_[i]);
   searched_ = wanted;
   for (int level = wanted.last; level >= wanted.first; --level) search_level(luma, level, blobs, budget);
@@ -62,37 +71,54 @@ void BlobFinder::add_finer_level(const ImageView& luma, BlobList& blobs, WorkBud
   search_level(luma, --searched_.first, blobs, budget);
 }
 
+ImageView BlobFinder::picture_at(int level) const noexcept {
+  EXPECTS(level > 0 || is_smoothed_);
+  return level > 0 ? levels_[level - 1].view() : smoothed_.view();
+}
+
+double BlobFinder::noise_at_lsb(int level) const noexcept {
+  return level == 0 && is_smoothed_ ? kSmoothedNoise * noise_lsb_ : noise_lsb_ / (1 << level);
+}
+
+BlobFinder::Searched BlobFinder::level_of(const ImageView& luma, int level) noexcept {
+  if (level == 0 && noise_lsb_ >= kNoisy_lsb) {
+    is_smoothed_ = true;
+    smooth(luma, rows_, smoothed_);
+    halve(smoothed_.view(), half_smoothed_);
+    return {smoothed_.view(), half_smoothed_.view(), noise_at_lsb(0), kHalfSmoothedNoise * noise_lsb_};
+  }
+  return {level == 0 ? luma : picture_at(level), levels_[level].view(), noise_at_lsb(level), noise_at_lsb(level + 1)};
+}
+
 void BlobFinder::search_level(const ImageView& luma, int level, BlobList& blobs, WorkBudget& budget) noexcept {
   constexpr int kOverlap = 8;  // of the picture's height: rows searched again, so that no dot lies on a seam
-  const ImageView picture = level == 0 ? luma : levels_[level - 1].view();
   if (levels_[level].width_px() < 2 || levels_[level].height_px() < 2) return;
-  const double level_noise_lsb = noise_lsb_ / (1 << level);
-  const int min_contrast = std::max(kMinContrast_lsb, static_cast<int>(kContrastPerNoise * level_noise_lsb));
-  const ImageBuffer& threshold = threshold_.compute(levels_[level].view(), min_contrast);
+  const Searched searched = level_of(luma, level);
+  const int min_contrast = std::max(kMinContrast_lsb, static_cast<int>(kContrastPerNoise * searched.half_noise_lsb));
+  const ImageBuffer& threshold = threshold_.compute(searched.half, min_contrast);
   const bool is_whole = luma.width_px == width_px_ && luma.height_px == height_px_;
   Begin once;
   Begin& begin = is_whole ? begin_[static_cast<std::size_t>(level)] : once;
-  const auto regions = regions_.find(picture, threshold, {kMinArea_px2, kMaxSide_px}, begin.row);
-  const bool is_cut = regions_.cut_from_row() < picture.height_px;
+  const auto regions = regions_.find(searched.picture, threshold, {kMinArea_px2, kMaxSide_px}, begin.row);
+  const bool is_cut = regions_.cut_from_row() < searched.picture.height_px;
   if (is_cut || begin.row > 0) budget.is_overdrawn = true;
-  begin.row = is_cut ? std::max(regions_.cut_from_row() - picture.height_px / kOverlap, 0) : 0;
+  begin.row = is_cut ? std::max(regions_.cut_from_row() - searched.picture.height_px / kOverlap, 0) : 0;
   const auto collect_all = [&](int& allowance) {
-    return collect(picture, regions, level, allowance, begin.region, blobs);
+    return collect(searched, regions, level, allowance, begin.region, blobs);
   };
   const bool got_through = level == 0 ? collect_all(budget.regions) : with_half(budget.regions, collect_all);
   budget.is_overdrawn |= !got_through;
 }
 
 /// \return  whether all had room; else begin_at is the first that had none
-bool BlobFinder::collect(const ImageView& picture, std::span<const Region> regions, int level, int& allowance,
+bool BlobFinder::collect(const Searched& searched, std::span<const Region> regions, int level, int& allowance,
                          std::size_t& begin_at, BlobList& blobs) noexcept {
   const auto scale = static_cast<double>(1 << level);
-  const double noise_lsb = noise_lsb_ / scale;
   coarser_.build(blobs.span());
   const std::size_t done = go_round(regions.size(), begin_at, [&](std::size_t i) {
     if (!take_one(allowance)) return false;
     Moments m;
-    if (!measure_blob(picture, regions[i], noise_lsb, m)) return true;
+    if (!measure_blob(searched.picture, regions[i], searched.noise_lsb, m)) return true;
     const Blob blob{static_cast<float>((m.x_px + 0.5) * scale - 0.5),
                     static_cast<float>((m.y_px + 0.5) * scale - 0.5),
                     static_cast<float>(m.area_px2 * scale * scale),

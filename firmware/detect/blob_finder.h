@@ -44,8 +44,15 @@ class BlobFinder {
   std::uint32_t runs_cut() const noexcept { return regions_.runs_cut(); }
   std::uint32_t blobs_cut() const noexcept { return blobs_cut_; }
 
-  /// The picture last searched at 1 / 2^level of its size, level 1 .. the last one searched plus one.
-  ImageView picture_at(int level) const noexcept { return levels_[level - 1].view(); }
+  /// Whether level 0 of the picture last searched was smoothed first: it is noisy, and was searched there.
+  bool is_smoothed() const noexcept { return is_smoothed_; }
+
+  /// The picture last searched at 1 / 2^level of its size, level 1 .. the last one searched plus one; level 0 where it
+  /// is smoothed (contract).
+  ImageView picture_at(int level) const noexcept;
+
+  /// Of a pixel there [grey levels, 1-sigma]. Halving halves it.
+  double noise_at_lsb(int level) const noexcept;
 
  private:
   /// Where the next search of a whole picture begins at a level.
@@ -54,12 +61,19 @@ class BlobFinder {
     std::size_t region = 0;
   };
 
+  /// A level as it is searched: the picture, the one of half its size that its threshold comes from, and their noise.
+  struct Searched {
+    ImageView picture, half;
+    double noise_lsb, half_noise_lsb;
+  };
+  Searched level_of(const ImageView& luma, int level) noexcept;
   void search_level(const ImageView& luma, int level, BlobList& blobs, WorkBudget& budget) noexcept;
-  bool collect(const ImageView& picture, std::span<const Region> regions, int level, int& allowance,
+  bool collect(const Searched& searched, std::span<const Region> regions, int level, int& allowance,
                std::size_t& begin_at, BlobList& blobs) noexcept;
   bool add_blob(const Blob& blob, BlobList& blobs) noexcept;
 
   ImageBuffer levels_[kLevels];  // levels_[i] is the picture at 1 / 2^(i+1)
+  ImageBuffer rows_, smoothed_, half_smoothed_;
   SpotThreshold threshold_;
   RegionFinder regions_;
   BlobGrid coarser_;  // the blobs of the levels above the one that is searched
@@ -67,6 +81,7 @@ class BlobFinder {
   std::array<Begin, kLevels> begin_{};
   Levels searched_;
   double noise_lsb_ = 0;
+  bool is_smoothed_ = false;
   std::uint32_t blobs_cut_ = 0;
 };
 

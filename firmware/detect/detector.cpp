@@ -296,19 +296,20 @@ Result<LandmarkObservation> Detector::Workspace::search_close(const ImageView& l
 Verification Detector::Workspace::verify(const ImageView& luma, const Sight& sight,
                                          const Hypothesis& hypothesis) const noexcept {
   const SearchArea& area = sight.area;
-  const double noise_lsb = sight.finder.noise_lsb();
   const Eigen::Matrix2d J = jacobian_of_map(hypothesis.H_px_plane, Eigen::Vector2d::Zero());
   const double semi_minor_px = landmark.dot_radius_m * std::abs(J.determinant()) / std::max(J.norm(), 1e-9);
   int level = 0;
   while (level <= area.levels.last && semi_minor_px > kSmallest_px * (2 << level)) ++level;
-  if (level == 0) return verify_landmark(luma, hypothesis.H_px_plane, landmark, sight.blobs, hypothesis, noise_lsb);
+  const double noise_lsb = sight.finder.noise_at_lsb(level);
+  if (level == 0 && !sight.finder.is_smoothed())
+    return verify_landmark(luma, hypothesis.H_px_plane, landmark, sight.blobs, hypothesis, noise_lsb);
   const double scale = 1.0 / (1 << level);
   Eigen::Matrix3d to_level = Eigen::Matrix3d::Identity();
   to_level(0, 0) = to_level(1, 1) = scale;
   to_level(0, 2) = (0.5 - area.x_px) * scale - 0.5;
   to_level(1, 2) = (0.5 - area.y_px) * scale - 0.5;
   return verify_landmark(sight.finder.picture_at(level), to_level * hypothesis.H_px_plane, landmark, sight.blobs,
-                         hypothesis, noise_lsb * scale);
+                         hypothesis, noise_lsb);
 }
 
 void Detector::Workspace::note_refusal(const Hypothesis& hypothesis, const Verification& verification) noexcept {

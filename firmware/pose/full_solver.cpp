@@ -353,6 +353,7 @@ Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const PoseExpec
   PoseCandidates candidates;
   candidates.warp_px = prior.warp_px;
   PoseCandidate believed = candidate_of(w.first, w.camera, w.landmark);
+  if (expected.lacks_dots(believed)) return lost;               // before its light takes the pixels of a search
   w.fit_light(luma, w.first, prior.warp_px, pixels, believed);  // as the one before was
   if (!expected.includes(believed)) return lost;  // before its mirror image takes the pixels that a search will need
   if (w.list_by_places(prior, believed, candidates)) return candidates;

@@ -56,6 +56,9 @@ constexpr double kLastGain_chi2 = 10, kLastTone_chi2 = 0.3;
 // guess), and where its groups may be weighed as if it were right (the floor of the last stages, twice). A second step
 // that is still as long says that the first one led nowhere.
 constexpr double kExpectedReach_px = 1, kExpectedClose_px = 0.25, kExpectedSecond_px = 0.7;
+// Of the noise of a pixel: with less contrast than that there is nothing where outlines were expected, and the steps go
+// about in noise, each as short as those along a landmark. (The dimmest landmark that is searched for has four.)
+constexpr double kNoInk_sigmas = 1;
 // Outlines that are not where they were expected look blurred, and take three times the pixels at last. Motion that
 // begins between two frames doubles the band at most.
 constexpr double kExpectedWider = 2;
@@ -237,6 +240,10 @@ StepVerdict OutlineRefiner::solve(int stage, Step& step) noexcept {
   return solve_equations(kFreeSigma, step) ? StepVerdict::kGoOn : StepVerdict::kUndetermined;
 }
 
+bool OutlineRefiner::is_blank() const noexcept {
+  return weights_.fit.contrast_lsb < kNoInk_sigmas * std::sqrt(weights_.noise_variance_lsb2);
+}
+
 StepVerdict OutlineRefiner::take(int stage, const Step& step) noexcept {
   const OutlineState before = state_;
   state_.apply(step);
@@ -249,6 +256,7 @@ StepVerdict OutlineRefiner::take(int stage, const Step& step) noexcept {
   const double by_px = step_px(step);
   const bool first_of_expectation = is_first_of_expectation(stage), expected = quality_ == Start::kExpected;
   if (expected && !first_of_expectation && by_px > kExpectedSecond_px) return StepVerdict::kLedNowhere;
+  if (expected && is_blank()) return StepVerdict::kLedNowhere;
   if (expected && band_of(state_) > kExpectedWider * start_band_px_) return StepVerdict::kLedNowhere;
   const bool is_calm = !expected || last_step_px_ < kCalm_px;
   const bool is_fine = first_of_expectation ? expectation_is_close_ : stage_of(stage).may_settle;

@@ -104,6 +104,7 @@ class OutlineRefiner {
   double semi_minor_px(std::size_t dot) const noexcept;
   bool solve_equations(double nuisance_sigma, Step& step) noexcept;
   bool is_first_of_expectation(int stage) const noexcept;
+  bool is_blank() const noexcept;
   /// Of a step's part that moves the pose: in units of the noise, and as a move of the outlines.
   double step_chi2(const Step& step) const noexcept;
   double step_px(const Step& step) const noexcept;

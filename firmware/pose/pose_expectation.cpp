@@ -22,11 +22,15 @@ double rotation_variance_rad2(const Matrix6d& C) noexcept { return C.bottomRight
 
 }  // namespace
 
+bool PoseExpectation::lacks_dots(const PoseCandidate& followed) const noexcept {
+  return before && followed.pose.dots_used < before->dots_used;
+}
+
 bool PoseExpectation::includes(const PoseCandidate& followed) const noexcept {
   if (!before) return true;
   const Matrix6d &then = before->covariance, &now = followed.pose.covariance;
   const double turn_rad = angle_between_rad(T_camera_landmark, followed.pose.T_landmark_camera.inverse());
-  return followed.pose.dots_used >= before->dots_used && followed.pose.rms_px <= kWorseFit * before->rms_px + kBit_px &&
+  return !lacks_dots(followed) && followed.pose.rms_px <= kWorseFit * before->rms_px + kBit_px &&
          position_variance_m2(now) <= kLessCertain * kLessCertain * position_variance_m2(then) &&
          rotation_variance_rad2(now) <= kLessCertain * kLessCertain * rotation_variance_rad2(then) &&
          turn_rad <= kUnforetoldTurn_rad +

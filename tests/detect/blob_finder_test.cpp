@@ -162,9 +162,39 @@ TEST(BlobFinder, LooksByAndByAtRowsThatHadNoRoom) {
   EXPECT_TRUE(seen);
 }
 
-TEST(BlobFinder, TakesBlankPaperAndPureNoiseForNothing) {
+TEST(BlobFinder, SeesTheSmallDotsOfANoisyPicture) {
+  constexpr int kSpacing_px = 40, kDots = 15 * 11;
+  for (const double diameter_px : {4.0, 6.0}) {
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise(0, 18);
+    std::vector<std::uint8_t> pixels(640 * 480);
+    for (int y = 0; y < 480; ++y)
+      for (int x = 0; x < 640; ++x) {
+        const double off_px = std::hypot((x + kSpacing_px / 2) % kSpacing_px - kSpacing_px / 2,
+                                         (y + kSpacing_px / 2) % kSpacing_px - kSpacing_px / 2);
+        const double cover = 1 / (1 + std::exp((off_px - diameter_px / 2) / 0.35));
+        pixels[static_cast<std::size_t>(y * 640 + x)] =
+            static_cast<std::uint8_t>(std::clamp(std::lround(120 - 90 * cover + noise(random)), 0L, 255L));
+      }
+    BlobFinder finder(640, 480);
+    WorkBudget budget;
+    BlobList blobs;
+    finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs, budget);
+    int seen = 0;
+    for (int y = kSpacing_px; y < 480; y += kSpacing_px)
+      for (int x = kSpacing_px; x < 640; x += kSpacing_px) seen += nearest(blobs, x, y) != nullptr;
+    EXPECT_GT(seen, 0.9 * kDots) << diameter_px;
+    EXPECT_TRUE(finder.is_smoothed());
+    EXPECT_NEAR(finder.noise_at_lsb(0), 18 * 0.375, 1);
+    EXPECT_NEAR(finder.noise_at_lsb(1), 18 * 0.5, 1);
+  }
+}
+
+class Noises : public testing::TestWithParam<double> {};
+
+TEST_P(Noises, AreTakenForNothing) {
   std::mt19937 random(5);
-  std::normal_distribution<double> noise(120, 6);
+  std::normal_distribution<double> noise(120, GetParam());
   std::vector<std::uint8_t> pixels(640 * 480);
   for (auto& pixel : pixels) pixel = static_cast<std::uint8_t>(std::clamp(noise(random), 0.0, 255.0));
   BlobFinder finder(640, 480);
@@ -176,6 +206,8 @@ TEST(BlobFinder, TakesBlankPaperAndPureNoiseForNothing) {
   finder.find_blobs({pixels.data(), 640, 480, 640}, {}, blobs, budget);
   EXPECT_TRUE(blobs.empty());
 }
+
+INSTANTIATE_TEST_SUITE_P(BlobFinder, Noises, testing::Values(2.0, 6.0, 7.9, 8.1, 14.0, 24.0));
 
 }  // namespace
 }  // namespace ninedot

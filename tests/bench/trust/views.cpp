@@ -110,6 +110,18 @@ void low_light(MovingView& view, test::Random& random) {
   test::set_noise(view.scene.sensor, random.uniform(5, 10));
 }
 
+/// So dark that noise is a quarter to a sixth of what ink and paper differ by.
+void poor_light(MovingView& view, test::Random& random) {
+  const double level = random.uniform(0.12, 0.3);
+  view.scene.light.level = level;
+  const auto grey_lsb = [&](double reflectance) {
+    return test::grey_from_light(level * reflectance, view.scene.sensor.tone);
+  };
+  const test::Sheet& sheet = view.scene.sheets.front();
+  const double contrast_lsb = grey_lsb(sheet.reflectance) - grey_lsb(sheet.discs.front().reflectance);
+  test::set_noise(view.scene.sensor, contrast_lsb / random.uniform(4, 6));
+}
+
 void veiled(MovingView& view, test::Random& random) {
   view.scene.haze = {random.uniform(0.4, 0.85), random.uniform(0.3, 0.8)};
   view.has_bound = false;
@@ -147,6 +159,7 @@ std::vector<ViewKind> view_kinds() {
           {"motion blur", motion_blur},
           {"roll of 15 to 25 degrees", rolled},
           {"low light", low_light},
+          {"low light, ink 4 to 6 sigma", poor_light},
           {"haze", veiled}};
 }
 
