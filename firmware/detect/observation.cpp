@@ -32,4 +32,18 @@ LandmarkObservation renumbered(const LandmarkObservation& seen, int eighths) noe
   return out;
 }
 
+bool is_same_reading(const LandmarkObservation& a, const LandmarkObservation& b,
+                     const LandmarkGeometry& landmark) noexcept {
+  constexpr double kSameShare = 0.001;
+  const auto ray = [&](const LandmarkObservation& seen, std::size_t dot) -> Eigen::Vector2d {
+    return (seen.H_ray_plane * landmark.centre_m(dot).homogeneous()).hnormalized();
+  };
+  const double size =
+      (ray(a, 0) - ray(a, kRingDotCount / 2)).norm() + (ray(a, 2) - ray(a, 2 + kRingDotCount / 2)).norm();
+  for (std::size_t dot = 0; dot < kDotCount; ++dot)
+    if (a.dots[dot].seen != b.dots[dot].seen || !((ray(a, dot) - ray(b, dot)).norm() < kSameShare * size / 2))
+      return false;
+  return true;
+}
+
 }  // namespace ninedot

@@ -48,6 +48,11 @@ struct LandmarkObservation {
 /// together, so that every dot stays where it is seen. Memory: none. Threads: pure.
 LandmarkObservation renumbered(const LandmarkObservation& seen, int eighths) noexcept;
 
+/// Whether both start a solver from the same place: the same dots are seen, and each of the nine lies in the same
+/// direction, to a thousandth of the ring's size. Memory: none. Threads: pure.
+bool is_same_reading(const LandmarkObservation& a, const LandmarkObservation& b,
+                     const LandmarkGeometry& landmark) noexcept;
+
 /// More landmarks than a room needs around one camera.
 inline constexpr std::size_t kMaxLandmarksInView = 16;
 using ObservationList = InlineVector<LandmarkObservation, kMaxLandmarksInView>;

@@ -71,17 +71,30 @@ Result<std::size_t> Localiser::search(const Frame& frame) noexcept {
   WorkBudget& budget = lens_->seeker.budget();
   const std::size_t guess = std::exchange(next_guess_, 0);
   Result<std::size_t> chosen = fail(Errc::kNoLandmark, "nothing in the picture is a landmark");
+  InlineVector<LandmarkObservation, 1 + Detector::kMaxGuesses> tried;
   const auto try_guess = [&](const LandmarkObservation& seen) {
-    if (!chosen) chosen = lens_->seeker.solve_guess(frame, seen, track_);
+    const auto is_seen = [&](const LandmarkObservation& other) {
+      return is_same_reading(seen, other, options_.seeker.landmark);
+    };
+    if (chosen || std::ranges::any_of(tried, is_seen)) return true;
+    (void)tried.try_push_back(seen);  // no more of them than guesses
+    chosen = lens_->seeker.solve_guess(frame, seen, track_);
     return chosen || budget.pixels > 0;
   };
+  int charged = 0;
+  const auto charge_search = [&] {
+    budget.pixels += std::exchange(charged, pixels_of_search(options_.budget, budget));
+    budget.pixels -= charged;
+  };
   NINEDOT_TRY(const auto likely, lens_->seeker.detector().find_landmarks(frame.luma, budget));
+  charge_search();
   if (guess == 0 && (!try_guess(likely.front()) || chosen)) return chosen;
   NINEDOT_TRY(const auto unlikely, lens_->seeker.detector().find_more_landmarks(frame.luma, budget));
+  charge_search();
   std::size_t begin_at = guess > 0 ? guess - 1 : 0;
-  const std::size_t tried =
+  const std::size_t count =
       go_round(unlikely.size(), begin_at, [&](std::size_t rank) { return try_guess(unlikely[rank]); });
-  if (tried < unlikely.size()) next_guess_ = begin_at + 1;
+  if (count < unlikely.size()) next_guess_ = begin_at + 1;
   return chosen;
 }
 

@@ -41,6 +41,9 @@ constexpr double kNearby_chi2 = 26;
 // A tone curve that asks for ink so much darker than black is none: dots of 1.2 px did by 14 grey levels, a loudspeaker
 // by 41.
 constexpr double kDarkest_lsb = -20;
+// Of a pose's residual: its mirror image that is still so much further from the picture after some steps will not
+// become the better one, and takes no more of the pixels.
+constexpr double kMuchWorse = 3;
 // Of the centroids' residual: what of it may be the sheet's warp or a shadow's pull, the rest being noise.
 constexpr double kWarpShare = 0.5;
 
@@ -53,9 +56,13 @@ struct Starts {
   bool centroids_decide() const noexcept { return differ && second_chi2_above >= kDecisive_chi2; }
 };
 
+bool is_better(const std::optional<PoseCandidate>& mirror) noexcept {
+  return mirror && mirror->refined && mirror->chi2_above < 0;
+}
+
 /// The better one first, with how much worse the other one fits. \return  the mirror image is the better one
 bool list_by_fit(PoseCandidate best, std::optional<PoseCandidate> mirror, PoseCandidates& candidates) noexcept {
-  const bool mirror_is_better = mirror && mirror->refined && mirror->chi2_above < 0;
+  const bool mirror_is_better = is_better(mirror);
   if (mirror && mirror->refined) {
     if (mirror_is_better) std::swap(best, *mirror);
     mirror->chi2_above = std::abs(mirror->chi2_above) + std::abs(best.chi2_above);
@@ -92,8 +99,8 @@ struct FullSolver::Workspace {
         landmark(landmark_geometry),
         options(solver_options),
         rays(camera_model),
-        first(camera, landmark, rays),
-        second(camera, landmark, rays),
+        first(std::make_unique<OutlineRefiner>(camera, landmark, rays)),
+        second(std::make_unique<OutlineRefiner>(camera, landmark, rays)),
         lit(camera, landmark, rays) {}
 
   Eigen::Vector2d ray_at_middle(const LandmarkObservation& seen, std::size_t dot, const Eigen::Vector2d& ray,
@@ -108,6 +115,8 @@ struct FullSolver::Workspace {
   bool list_by_places(const PosePrior& prior, const PoseCandidate& believed, PoseCandidates& candidates) const noexcept;
   std::optional<PoseCandidate> weigh_mirror(const ImageView& luma, const PosePrior* prior, double warp_px,
                                             int& pixels) noexcept;
+  void begin_with_mirror(const ImageView& luma, const PosePrior* prior, double warp_px, int& pixels,
+                         PoseCandidate& best, std::optional<PoseCandidate>& mirror) noexcept;
   bool fit_light(const ImageView& luma, const OutlineRefiner& chosen, double warp_px, int& pixels,
                  PoseCandidate& candidate) noexcept;
 
@@ -115,7 +124,9 @@ struct FullSolver::Workspace {
   LandmarkGeometry landmark;
   FullSolverOptions options;
   RayTable rays;
-  OutlineRefiner first, second, lit;  ///< scratch
+  std::unique_ptr<OutlineRefiner> first, second;  ///< scratch: a pose, and its mirror image
+  OutlineRefiner lit;                             ///< scratch: the better of them, with the light that it is in
+  bool is_mirror_open = false;  ///< there were no pixels left to refine the last mirror image, which may be the better
 };
 
 /// Where a dot would have been seen while the middle row was exposed. The detector's map tells its depth well enough.
@@ -188,22 +199,22 @@ bool FullSolver::Workspace::refine_first(const ImageView& luma, const LandmarkOb
   start.motion = motion;
   const bool close =
       prior != nullptr && seen.seen_count >= static_cast<int>(kLeastCentroids) && starts.rms_px < kCloseStart_px;
-  if (first.refine(luma, start, close ? Start::kClose : Start::kRough, warp_px, pixels).has_converged()) return true;
+  if (first->refine(luma, start, close ? Start::kClose : Start::kRough, warp_px, pixels).has_converged()) return true;
   if (!starts.differ || starts.centroids_decide()) return false;
   start.T_camera_landmark = starts.side[1];
-  return first.refine(luma, start, Start::kRough, warp_px, pixels).has_converged();
+  return first->refine(luma, start, Start::kRough, warp_px, pixels).has_converged();
 }
 
 /// By how much more chi^2 the dots' places, as one of the refiners has seen them, suit the first one's pose than the
 /// other one. A blur that is even about its middle, whatever its shape, leaves places where they are.
 double FullSolver::Workspace::preference(const OutlineRefiner& whose, const CameraFromLandmark& other) const noexcept {
-  return preference_of_places(first.state().T_camera_landmark, other, whose.dots(), landmark);
+  return preference_of_places(first->state().T_camera_landmark, other, whose.dots(), landmark);
 }
 
 /// Of what tells the first refiner's pose from another one, what their dots' places can carry.
 double FullSolver::Workspace::believable(double chi2_above, const OutlineState& other) const noexcept {
   if (options.pattern_px == 0) return chi2_above;
-  const double most_chi2 = evidence_of_places(first.state().T_camera_landmark, other.T_camera_landmark, first.dots(),
+  const double most_chi2 = evidence_of_places(first->state().T_camera_landmark, other.T_camera_landmark, first->dots(),
                                               options.pattern_px / camera.fx_px, landmark);
   return std::clamp(chi2_above, -most_chi2, most_chi2);
 }
@@ -234,37 +245,55 @@ bool FullSolver::Workspace::list_by_places(const PosePrior& prior, const PoseCan
 /// fits better.
 std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView& luma, const PosePrior* prior,
                                                                  double warp_px, int& pixels) noexcept {
-  OutlineState mirrored = first.state();
-  const std::array<double, kDotCount> visible = first.visible_share();
-  mirrored.T_camera_landmark = mirror_image(first.state().T_camera_landmark, landmark, visible);
-  const double apart_rad = angle_between_rad(mirrored.T_camera_landmark, first.state().T_camera_landmark);
+  is_mirror_open = false;
+  OutlineState mirrored = first->state();
+  const std::array<double, kDotCount> visible = first->visible_share();
+  mirrored.T_camera_landmark = mirror_image(first->state().T_camera_landmark, landmark, visible);
+  const double apart_rad = angle_between_rad(mirrored.T_camera_landmark, first->state().T_camera_landmark);
   if (apart_rad < kSamePose_rad) return std::nullopt;
   PoseCandidate mirror;
   mirror.pose.T_landmark_camera = mirrored.T_camera_landmark.inverse();
   mirror.outlines = mirrored;
-  mirror.chi2_above = believable(first.chi2_above(mirrored, kBeyondDoubt_chi2), mirrored);
+  mirror.chi2_above = believable(first->chi2_above(mirrored, kBeyondDoubt_chi2), mirrored);
   const bool is_settled = prior != nullptr && apart_rad > kApart_rad &&
-                          is_on_settled_side(*prior, first.state().T_camera_landmark, mirrored.T_camera_landmark);
+                          is_on_settled_side(*prior, first->state().T_camera_landmark, mirrored.T_camera_landmark);
   // A wrong pose of few dots has weights that suit it, and by these the right one is excluded by 80 to 3600.
   const double decisive_chi2 = is_settled                           ? kSettled_chi2
                                : dots_in_sight(visible) <= kFewDots ? std::numeric_limits<double>::infinity()
                                                                     : kDecisive_chi2;
   mirror.refined = !(mirror.chi2_above > decisive_chi2);
   if (!mirror.refined) return mirror;
-  if (!second.refine(luma, mirrored, OutlineRefiner::Start::kClose, warp_px, pixels).has_converged()) {
+  const OptimiserStatistics& steps =
+      second->refine(luma, mirrored, OutlineRefiner::Start::kClose, warp_px, pixels, OutlineRefiner::Light::kSimple,
+                     kMuchWorse * first->fit().residual_lsb);
+  if (!steps.has_converged()) {
     mirror.refined = false;
+    is_mirror_open = pixels <= 0 && steps.stopped != Stopped::kLedNowhere;
     return mirror;
   }
-  if (angle_between_rad(first.state().T_camera_landmark, second.state().T_camera_landmark) < kSamePose_rad)
+  if (angle_between_rad(first->state().T_camera_landmark, second->state().T_camera_landmark) < kSamePose_rad)
     return std::nullopt;
-  mirror = candidate_of(second, camera, landmark);
+  mirror = candidate_of(*second, camera, landmark);
   // Half of the difference from the pixels of either: neither's choice of pixels and weights decides.
-  const double of_pixels_chi2 = 0.5 * (first.chi2_above(second.state()) - second.chi2_above(first.state()));
-  const CameraFromLandmark& other = second.state().T_camera_landmark;
-  const double of_places_chi2 = 0.5 * (preference(first, other) + preference(second, other));
+  const double of_pixels_chi2 = 0.5 * (first->chi2_above(second->state()) - second->chi2_above(first->state()));
+  const CameraFromLandmark& other = second->state().T_camera_landmark;
+  const double of_places_chi2 = 0.5 * (preference(*first, other) + preference(*second, other));
   const bool contradict = of_pixels_chi2 * of_places_chi2 < 0 && std::abs(of_places_chi2) > kContradiction_chi2;
-  mirror.chi2_above = contradict ? 0 : believable(of_pixels_chi2, second.state());
+  mirror.chi2_above = contradict ? 0 : believable(of_pixels_chi2, second->state());
   return mirror;
+}
+
+/// Takes the better mirror image for the first pose, and looks at its own mirror image: that of a wrong pose, whose
+/// weights suit it, may lead to a wrong one on the other side as well.
+/// \param best, mirror  of the first pose; afterwards of the one that was its mirror image. Where its own mirror image
+/// is excluded or none, the first pose stays the alternative
+void FullSolver::Workspace::begin_with_mirror(const ImageView& luma, const PosePrior* prior, double warp_px,
+                                              int& pixels, PoseCandidate& best,
+                                              std::optional<PoseCandidate>& mirror) noexcept {
+  std::swap(first, second);
+  std::swap(best, *mirror);
+  mirror->chi2_above = -std::exchange(best.chi2_above, 0);
+  if (const auto own = weigh_mirror(luma, prior, warp_px, pixels); own && own->refined) mirror = own;
 }
 
 /// The pose once more where the picture's light is more than two grey levels and an offset: with the edges of shadows
@@ -309,11 +338,12 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
                                          int& pixels, const SheetMotion& motion) noexcept {
   Workspace& w = *workspace_;
   NINEDOT_TRY(const Starts starts, w.starts_from(seen, prior, motion));
+  w.is_mirror_open = false;
   PoseCandidates candidates;
   if (seen.seen_count > static_cast<int>(kLeastCentroids)) candidates.warp_px = kWarpShare * starts.rms_px;
   if (!w.refine_first(luma, seen, starts, prior, candidates.warp_px, pixels, motion))
     return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
-  PoseCandidate best = candidate_of(w.first, w.camera, w.landmark);
+  PoseCandidate best = candidate_of(*w.first, w.camera, w.landmark);
 
   std::optional<PoseCandidate> mirror;
   if (starts.centroids_decide()) {
@@ -324,11 +354,12 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
     mirror->refined = false;
   } else {
     mirror = w.weigh_mirror(luma, prior, candidates.warp_px, pixels);
+    if (is_better(mirror) && dots_in_sight(w.second->visible_share()) <= kFewDots)
+      w.begin_with_mirror(luma, prior, candidates.warp_px, pixels, best, mirror);
   }
   // A mirror image that there was nothing left to refine with is not excluded by a glance.
-  if (pixels <= 0 && mirror && !mirror->refined && !starts.centroids_decide())
-    return fail(Errc::kPoseDegenerate, "the mirror image could not be looked at any more");
-  const OutlineRefiner& chosen = list_by_fit(best, mirror, candidates) ? w.second : w.first;
+  if (w.is_mirror_open) return fail(Errc::kPoseDegenerate, "the mirror image could not be looked at any more");
+  const OutlineRefiner& chosen = list_by_fit(best, mirror, candidates) ? *w.second : *w.first;
   // Where a reading that is none of a landmark fits as well, the picture shows none.
   for (const PoseCandidate& reading : candidates.list)
     if (reading.refined && reading.chi2_above < kUndecided_chi2)
@@ -347,20 +378,20 @@ Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const PoseExpec
   start.T_camera_landmark = expected.T_camera_landmark;
   start.motion = motion;
   const auto lost = fail(Errc::kNoLandmark, "the landmark is not where it was expected");
-  if (!w.first.refine(luma, start, OutlineRefiner::Start::kExpected, prior.warp_px, pixels).has_converged() ||
-      w.first.shadowed_dots() > kMostShadowed)
+  if (!w.first->refine(luma, start, OutlineRefiner::Start::kExpected, prior.warp_px, pixels).has_converged() ||
+      w.first->shadowed_dots() > kMostShadowed)
     return lost;
   PoseCandidates candidates;
   candidates.warp_px = prior.warp_px;
-  PoseCandidate believed = candidate_of(w.first, w.camera, w.landmark);
-  if (expected.lacks_dots(believed)) return lost;               // before its light takes the pixels of a search
-  w.fit_light(luma, w.first, prior.warp_px, pixels, believed);  // as the one before was
+  PoseCandidate believed = candidate_of(*w.first, w.camera, w.landmark);
+  if (expected.lacks_dots(believed)) return lost;                // before its light takes the pixels of a search
+  w.fit_light(luma, *w.first, prior.warp_px, pixels, believed);  // as the one before was
   if (!expected.includes(believed)) return lost;  // before its mirror image takes the pixels that a search will need
   if (w.list_by_places(prior, believed, candidates)) return candidates;
   const auto mirror = w.weigh_mirror(luma, &prior, prior.warp_px, pixels);
-  if (pixels <= 0 && mirror && !mirror->refined) return lost;
+  if (w.is_mirror_open) return lost;
   if (list_by_fit(believed, mirror, candidates)) {
-    w.fit_light(luma, w.second, candidates.warp_px, pixels, candidates.list[0]);
+    w.fit_light(luma, *w.second, candidates.warp_px, pixels, candidates.list[0]);
     if (!expected.includes(candidates.list[0])) return lost;
   }
   return candidates;
@@ -368,7 +399,7 @@ Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const PoseExpec
 
 Result<PoseCandidate> FullSolver::examine(const ImageView& luma, const CameraFromLandmark& T_camera_landmark,
                                           int& pixels, const SheetMotion& motion) noexcept {
-  OutlineRefiner& refiner = workspace_->first;
+  OutlineRefiner& refiner = *workspace_->first;
   OutlineState start;
   start.T_camera_landmark = T_camera_landmark;
   start.motion = motion;

@@ -21,6 +21,9 @@ constexpr double kSector_px = 12.0;    // in a band of 5 px 60 pixels, enough fo
 constexpr double kBlurReach_px = 2.0;  // beyond the band, from where an edge still changes the band's outermost pixels
 // A neighbour's blurred ink is a hundredth of its contrast at three quarters of the band: 2.3 sigmas of the blur.
 constexpr double kReachOfBand = 0.75;
+// Of the work of fitting a pixel: to take it, and times that to ask for each neighbour whether the pixel sees it.
+constexpr double kTaking = 1.0 / 14;
+constexpr std::size_t kAsking = 2;
 constexpr double kSplitAbove_px = 2.0;  // semi-minor axis; an eighth of a smaller outline is less than two pixels
 
 /// One dot's outline in the picture, as an ellipse.
@@ -176,6 +179,9 @@ bool are_close(const DotEllipse& a, const DotEllipse& b, double gap_px) noexcept
 bool sees_another(const Neighbours& neighbours, const DotEllipse& own, const Eigen::Vector2d& px,
                   double reach_px) noexcept {
   for (const DotEllipse* other : neighbours) {
+    // Most are far, and |q| tells that: no outline's distance is below (|q| - 1) semi-minor.
+    const double beyond = 1 + reach_px / other->semi_minor_px;
+    if ((other->circle_from_px * (px - other->centre_px)).squaredNorm() > beyond * beyond) continue;
     const double to_other_px = distance_px(*other, px);
     if (to_other_px < reach_px && to_other_px < distance_px(own, px)) return true;
   }
@@ -206,12 +212,15 @@ bool for_each_stretch(const ImageView& luma, const DotBand& dot, Append&& append
   const RowSpans spans(e);
   const double outer = 1 + dot.band_px / e.semi_minor_px;
   const double inner = 1 - dot.band_px / e.semi_minor_px;
-  const double reach_px = e.semi_major_px * outer + 1;
+  // Of a narrow ellipse the outer one is much too long. Up to 60 degrees of tilt nothing is cut off.
+  const double reach_px = std::min(e.semi_major_px * outer + 1, e.semi_major_px + 2 * dot.band_px);
   const int y0 = std::max(0, static_cast<int>(std::ceil(e.centre_px.y() - reach_px)));
   const int y1 = std::min(luma.height_px - 1, static_cast<int>(std::floor(e.centre_px.y() + reach_px)));
   for (int y = y0; y <= y1; ++y) {
     double x0, x1, hole0 = 0, hole1 = 0;
     if (!spans.cross(y, outer, x0, x1)) continue;
+    const double dy_px = y - e.centre_px.y(), beside_px = std::sqrt(reach_px * reach_px - dy_px * dy_px);
+    x0 = std::max(x0, e.centre_px.x() - beside_px), x1 = std::min(x1, e.centre_px.x() + beside_px);
     const int first = std::max(0, static_cast<int>(std::ceil(x0)));
     const int last = std::min(luma.width_px - 1, static_cast<int>(std::floor(x1)));
     if (inner > 0 && spans.cross(y, inner, hole0, hole1)) {
@@ -325,6 +334,8 @@ bool append_dot(const ImageView& luma, const RayTable& rays, const DotEllipse& e
     group.centre_y_px = static_cast<float>(static_cast<double>(ranges.sum_y_px[s]) / group.count);
     if (!out.groups.try_push_back(group)) return false;
   }
+  const auto collected = static_cast<std::size_t>(ranges.end[sectors - 1]) - out.count;
+  out.work_px += static_cast<int>(kTaking * static_cast<double>(collected * (1 + kAsking * neighbours.size())));
   out.count = static_cast<std::size_t>(ranges.end[sectors - 1]);
   return true;
 }
@@ -336,6 +347,7 @@ void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, co
                             double band_px, int thinning, const Cuts& cuts, const SheetMotion& motion,
                             OutlinePixels& out) noexcept {
   out.count = 0;
+  out.work_px = 0;
   out.groups.clear();
   out.visible_outlines = 0;
   out.has_pattern = luma.has_pattern;

@@ -48,6 +48,7 @@ struct OutlinePixels {
   explicit OutlinePixels(std::size_t capacity);
   std::vector<float> x_px, y_px, ray_x, ray_y, luma;  ///< position, normalised ray (distortion removed), grey level
   std::size_t count = 0;
+  int work_px = 0;  ///< that collecting them took, in pixels fitted to outlines [1]
   InlineVector<OutlineGroup, kMaxGroups> groups;
   /// Of each dot that is one group: the edge of a shadow that crosses it.
   std::array<std::optional<LightEdge>, kDotCount> light_edges;

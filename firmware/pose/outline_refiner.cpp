@@ -31,8 +31,9 @@ constexpr std::array<Stage, 7> kStages{{{1.5, false, false},
                                         {0.12, false, true},
                                         {0.12, false, true}}};
 constexpr int kRoughStage = 0, kCloseStage = 1;
-constexpr int kUsualStages = 3;  // that follow the rough one
-constexpr int kMostThinned = 3;  // every third: half the precision at most
+constexpr int kUsualStages = 3;   // that follow the rough one
+constexpr int kHopelessFrom = 3;  // after so many steps from a close start a pose fits nearly as well as it will
+constexpr int kMostThinned = 3;   // every third: half the precision at most
 // What is left of the pixels by thinning: below, groups would have hardly more pixels than unknowns of their own, and
 // fit whatever is there.
 constexpr int kLeastThinned = 2500;
@@ -107,13 +108,15 @@ OutlineRefiner::OutlineRefiner(const CameraModel& camera, const LandmarkGeometry
       pixels_(kMaxPixels) {}
 
 const OptimiserStatistics& OutlineRefiner::refine(const ImageView& luma, const OutlineState& start, Start quality,
-                                                  double warp_px, int& pixels, Light light) noexcept {
+                                                  double warp_px, int& pixels, Light light,
+                                                  double hopeless_lsb) noexcept {
   luma_ = luma;
   light_ = light;
   pixels_left_ = pixels;
   state_ = start;
   quality_ = quality;
   warp_px_ = warp_px;
+  hopeless_lsb_ = hopeless_lsb;
   cuts_.fill(Cut::kBySize);
   pixels_.light_edges.fill(std::nullopt);
   tone_share_ = light == Light::kFull ? tone_share() : 0;
@@ -161,11 +164,13 @@ bool OutlineRefiner::look_again_if_stale(int stage) noexcept {
   const auto collect = [&](int thinning) {
     collect_outline_pixels(luma_, camera_, rays_, landmark_, state_.T_camera_landmark, band_px, thinning, cuts_,
                            state_.motion, pixels_);
+    pixels_left_ -= pixels_.work_px;
   };
   collect(look_.thinned ? kRoughThinning : 1);
   // Rather every second pixel to the end than all of them half the way.
   const auto count = static_cast<int>(pixels_.count);
-  const int thinning = std::min((count * kUsualStages + pixels_left_ - 1) / pixels_left_, kMostThinned);
+  const int left = std::max(pixels_left_, 1);
+  const int thinning = std::min((count * kUsualStages + left - 1) / left, kMostThinned);
   if (!look_.thinned && thinning > 1 && count / thinning >= kLeastThinned) collect(thinning);
   return !pixels_.groups.empty();
 }
@@ -257,6 +262,7 @@ StepVerdict OutlineRefiner::take(int stage, const Step& step) noexcept {
   const bool first_of_expectation = is_first_of_expectation(stage), expected = quality_ == Start::kExpected;
   if (expected && !first_of_expectation && by_px > kExpectedSecond_px) return StepVerdict::kLedNowhere;
   if (expected && is_blank()) return StepVerdict::kLedNowhere;
+  if (stage >= kHopelessFrom && weights_.fit.residual_lsb > hopeless_lsb_) return StepVerdict::kLedNowhere;
   if (expected && band_of(state_) > kExpectedWider * start_band_px_) return StepVerdict::kLedNowhere;
   const bool is_calm = !expected || last_step_px_ < kCalm_px;
   const bool is_fine = first_of_expectation ? expectation_is_close_ : stage_of(stage).may_settle;

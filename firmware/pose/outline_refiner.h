@@ -40,10 +40,11 @@ class OutlineRefiner {
 
   /// \param warp_px  how far the dots may lie from where one flat sheet shows them, before any is an outlier
   /// \param pixels  how many pixels it may fit, each counted once per stage; fewer afterwards. Used up, it leads
-  /// nowhere. \param light  what the picture's is taken for [1] \return  how it went; unless it has converged the rest
-  /// means nothing
+  /// nowhere. \param light  what the picture's is taken for [1] \param hopeless_lsb  a residual that is above this
+  /// after a few steps leads nowhere \return  how it went; unless it has converged the rest means nothing
   const OptimiserStatistics& refine(const ImageView& luma, const OutlineState& start, Start quality, double warp_px,
-                                    int& pixels, Light light = Light::kSimple) noexcept;
+                                    int& pixels, Light light = Light::kSimple,
+                                    double hopeless_lsb = std::numeric_limits<double>::infinity()) noexcept;
 
   /// How much worse `other` explains the pixels that this state was fitted to: difference of chi^2 [1].
   /// \param enough  where it is surely more than that, the answer may be anything in between [1]
@@ -121,6 +122,7 @@ class OutlineRefiner {
   int pixels_left_ = 0;
   Look look_;
   double last_step_px_ = 0;
+  double hopeless_lsb_ = 0;
   double start_band_px_ = 0;           ///< of the state that refine() began with
   bool expectation_is_close_ = false;  // its first step was short: it may be the last
 

@@ -25,6 +25,24 @@ Eigen::Matrix3d view(double roll_rad, double tilt_rad = 0, double distance_m = 1
   return H;
 }
 
+TEST(Reading, IsTheSameWhereTheSameDotsAreSeenInTheSamePlaces) {
+  const LandmarkGeometry landmark;
+  LandmarkObservation seen;
+  seen.H_ray_plane = view(0.3, 0.5);
+  for (DotObservation& dot : seen.dots) dot.seen = true;
+  const auto is_same = [&](const LandmarkObservation& other) { return is_same_reading(seen, other, landmark); };
+  LandmarkObservation other = seen;
+  EXPECT_TRUE(is_same(other));
+  other.H_ray_plane *= 1.7;  // the same map
+  EXPECT_TRUE(is_same(other));
+  EXPECT_FALSE(is_same(renumbered(seen, 1)));
+  other.dots[4].seen = false;
+  EXPECT_FALSE(is_same(other));
+  other = seen;
+  other.H_ray_plane = view(0.3, 0.5, 1.01);
+  EXPECT_FALSE(is_same(other));
+}
+
 TEST(Numbering, TurnsDotsHomographyAndCostsTogether) {
   const LandmarkGeometry landmark;
   LandmarkObservation seen;

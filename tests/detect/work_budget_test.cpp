@@ -48,5 +48,21 @@ TEST(WorkBudget, LetsHalfBeSpentAndKeepsWhatWasNot) {
   EXPECT_EQ(allowance, 6);
 }
 
+TEST(WorkBudget, WhatACrowdedPicturesSearchTakesComesOffThePixelsButNotALandmarks) {
+  static constexpr WorkBudget kAllowed;
+  const auto pixels = [](int regions, int guesses, int second_guesses) {
+    WorkBudget left = kAllowed;
+    left.regions -= regions, left.guesses -= guesses, left.second_guesses -= second_guesses;
+    return pixels_of_search(kAllowed, left);
+  };
+  EXPECT_EQ(pixels(0, 0, 0), 0);
+  EXPECT_EQ(pixels(400, 10, 0), 0) << "a usual picture";
+  EXPECT_GT(pixels(1500, 10, 0), 0);
+  EXPECT_GT(pixels(1500, 40, 0), pixels(1500, 10, 0));
+  EXPECT_EQ(pixels(1500, 30, 10), pixels(1500, 40, 0));
+  const int most = pixels(kAllowed.regions, kAllowed.guesses, kAllowed.second_guesses);
+  EXPECT_GE(kAllowed.pixels - most, 10'000);
+}
+
 }  // namespace
 }  // namespace ninedot

@@ -171,6 +171,19 @@ TEST(Localiser, GoesOnWithTheNextGuessWhereAFrameSpentItsPixels) {
   EXPECT_GT(report.camera_in_landmark.position_m[1], 2);
 }
 
+/// What was found by the first search is found by the search without mercy too.
+TEST(Localiser, TriesAGuessOnce) {
+  test::Scene scene = scene_at(1.5);
+  scene.sheets = {test::nine_dot_sheet(0.080, 0.0127, 0.0203)};
+  LocaliserOptions options;
+  options.budget.pixels = 5000;  // one attempt takes more than half of it
+  Localiser unit(CameraModel{}, options);
+  Report report;
+  test::process_picture(unit, test::render(scene, 1).view(), MonoTime(1s), 0, report);
+  EXPECT_EQ(report.reason, Reason::kPoorFit);
+  EXPECT_EQ(report.frames.work.frames_cut, 0U);
+}
+
 TEST_P(LocaliserWithEachSolver, NeverTracksWhenToldNotTo) {
   const test::Picture picture = test::render(scene_at(1.5), 1);
   Localiser unit(CameraModel{}, {.seeker = {.solver = GetParam()}, .tracking = false});

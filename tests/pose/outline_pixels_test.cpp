@@ -179,5 +179,49 @@ TEST(OutlinePixels, WithoutARayAreLeftOut) {
   EXPECT_GT(count_of(pixels, rays, luma).distinct, 300U);
 }
 
+/// A sheet of which one sees hardly more than its edge: an ellipse with the band's width on all sides of its short one
+/// would be eight times as long as the dot.
+TEST(OutlinePixels, OfANarrowOutlineLieNoFartherFromItThanTwiceTheBand) {
+  constexpr double kBand_px = 6;
+  const CameraModel lens = camera();
+  const LandmarkGeometry landmark;
+  const RayTable rays(lens);
+  const std::vector<std::uint8_t> grey(
+      static_cast<std::size_t>(lens.width_px) * static_cast<std::size_t>(lens.height_px), 128);
+  CameraFromLandmark T = sheet_at(1.0);
+  T.rotation = Eigen::AngleAxisd(85 * M_PI / 180, Eigen::Vector3d::UnitX()).toRotationMatrix() * T.rotation;
+  OutlinePixels pixels(20000);
+  collect_outline_pixels({grey.data(), lens.width_px, lens.height_px, lens.width_px}, lens, rays, landmark, T, kBand_px,
+                         1, {}, {}, pixels);
+  ASSERT_GT(pixels.groups.size(), 0U);
+  for (const OutlineGroup& group : pixels.groups) {
+    const Eigen::Vector2d C = landmark.centre_m(group.dot);
+    const Eigen::Vector3d middle_m = T * Eigen::Vector3d(C.x(), 0, C.y());
+    const Eigen::Vector2d middle_px = lens.pixel_from_normalised(middle_m.hnormalized());
+    const double reach_px = kFocal_px * landmark.radius_m(group.dot) / middle_m.z() + 2 * kBand_px + 0.5;
+    for (std::int32_t i = group.first; i < group.first + group.count; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      EXPECT_LT((Eigen::Vector2d(pixels.x_px[at], pixels.y_px[at]) - middle_px).norm(), reach_px) << int(group.dot);
+    }
+  }
+}
+
+TEST(OutlinePixels, TakeMoreWorkToCollectWhereDotsSeeEachOthersInk) {
+  const CameraModel lens = camera();
+  const LandmarkGeometry landmark;
+  const RayTable rays(lens);
+  const std::vector<std::uint8_t> grey(
+      static_cast<std::size_t>(lens.width_px) * static_cast<std::size_t>(lens.height_px), 128);
+  const auto work_per_pixel = [&](double distance_m) {
+    OutlinePixels pixels(20000);
+    collect_outline_pixels({grey.data(), lens.width_px, lens.height_px, lens.width_px}, lens, rays, landmark,
+                           sheet_at(distance_m), 3.0, 1, {}, {}, pixels);
+    return static_cast<double>(pixels.work_px) / static_cast<double>(pixels.count);
+  };
+  EXPECT_GT(work_per_pixel(1), 0.03);
+  EXPECT_LT(work_per_pixel(1), 0.1);
+  EXPECT_GT(work_per_pixel(6), 0.4);
+}
+
 }  // namespace
 }  // namespace ninedot
