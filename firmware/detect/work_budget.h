@@ -17,7 +17,7 @@ struct WorkBudget {
   /// them. A usual landmark takes 9,000; one that fills the picture is fitted to every second or third pixel instead.
   /// What comes of it is looked at once more, for the shape of its dots, which is not counted. Where shadows cross its
   /// dots, their edges are fitted with what is left (light_edge.h).
-  int pixels = 31'000;
+  int pixels = 34'000;
   /// Something was left out because an allowance was used up. The next picture's search begins with it.
   bool is_overdrawn = false;
 };
@@ -26,7 +26,7 @@ struct WorkBudget {
 /// mirror image are left to it in any case.
 /// \param allowed, left  before and after the search \return  pixels [1]
 constexpr int pixels_of_search(const WorkBudget& allowed, const WorkBudget& left) noexcept {
-  constexpr int kOfRegion = 8, kOfGuess = 190, kUsual = 6'000, kLeast = 10'000;
+  constexpr int kOfRegion = 8, kOfGuess = 190, kUsual = 5'200, kLeast = 10'000;
   const int guesses = allowed.guesses - left.guesses + allowed.second_guesses - left.second_guesses;
   const int taken = kOfRegion * (allowed.regions - left.regions) + kOfGuess * guesses;
   return std::clamp(taken - kUsual, 0, std::max(allowed.pixels - kLeast, 0));
