@@ -51,7 +51,7 @@ class BlobFinder {
   /// is smoothed (contract).
   ImageView picture_at(int level) const noexcept;
 
-  /// Of a pixel there [grey levels, 1-sigma]. Halving halves it.
+  /// Of a pixel there, of level 0 as it was searched [grey levels, 1-sigma].
   double noise_at_lsb(int level) const noexcept;
 
  private:

@@ -292,7 +292,8 @@ Result<LandmarkObservation> Detector::Workspace::search_close(const ImageView& l
   return observe(blobs, accepted[0], Numbering::kByPriors);
 }
 
-/// Small dots are looked at in the picture itself, larger ones at a level of the pyramid where noise is averaged away.
+/// Small dots are looked at in the picture itself, smoothed where it is noisy, larger ones at a level of the pyramid
+/// where noise is averaged away.
 Verification Detector::Workspace::verify(const ImageView& luma, const Sight& sight,
                                          const Hypothesis& hypothesis) const noexcept {
   const SearchArea& area = sight.area;

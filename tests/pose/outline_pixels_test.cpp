@@ -179,20 +179,27 @@ TEST(OutlinePixels, WithoutARayAreLeftOut) {
   EXPECT_GT(count_of(pixels, rays, luma).distinct, 300U);
 }
 
+/// Of a grey picture.
+OutlinePixels pixels_of(const CameraFromLandmark& T, double band_px) {
+  const CameraModel lens = camera();
+  const RayTable rays(lens);
+  const std::vector<std::uint8_t> grey(
+      static_cast<std::size_t>(lens.width_px) * static_cast<std::size_t>(lens.height_px), 128);
+  OutlinePixels pixels(20000);
+  collect_outline_pixels({grey.data(), lens.width_px, lens.height_px, lens.width_px}, lens, rays, {}, T, band_px, 1, {},
+                         {}, pixels);
+  return pixels;
+}
+
 /// A sheet of which one sees hardly more than its edge: an ellipse with the band's width on all sides of its short one
 /// would be eight times as long as the dot.
 TEST(OutlinePixels, OfANarrowOutlineLieNoFartherFromItThanTwiceTheBand) {
   constexpr double kBand_px = 6;
   const CameraModel lens = camera();
   const LandmarkGeometry landmark;
-  const RayTable rays(lens);
-  const std::vector<std::uint8_t> grey(
-      static_cast<std::size_t>(lens.width_px) * static_cast<std::size_t>(lens.height_px), 128);
   CameraFromLandmark T = sheet_at(1.0);
   T.rotation = Eigen::AngleAxisd(85 * M_PI / 180, Eigen::Vector3d::UnitX()).toRotationMatrix() * T.rotation;
-  OutlinePixels pixels(20000);
-  collect_outline_pixels({grey.data(), lens.width_px, lens.height_px, lens.width_px}, lens, rays, landmark, T, kBand_px,
-                         1, {}, {}, pixels);
+  const OutlinePixels pixels = pixels_of(T, kBand_px);
   ASSERT_GT(pixels.groups.size(), 0U);
   for (const OutlineGroup& group : pixels.groups) {
     const Eigen::Vector2d C = landmark.centre_m(group.dot);
@@ -207,15 +214,8 @@ TEST(OutlinePixels, OfANarrowOutlineLieNoFartherFromItThanTwiceTheBand) {
 }
 
 TEST(OutlinePixels, TakeMoreWorkToCollectWhereDotsSeeEachOthersInk) {
-  const CameraModel lens = camera();
-  const LandmarkGeometry landmark;
-  const RayTable rays(lens);
-  const std::vector<std::uint8_t> grey(
-      static_cast<std::size_t>(lens.width_px) * static_cast<std::size_t>(lens.height_px), 128);
   const auto work_per_pixel = [&](double distance_m) {
-    OutlinePixels pixels(20000);
-    collect_outline_pixels({grey.data(), lens.width_px, lens.height_px, lens.width_px}, lens, rays, landmark,
-                           sheet_at(distance_m), 3.0, 1, {}, {}, pixels);
+    const OutlinePixels pixels = pixels_of(sheet_at(distance_m), 3.0);
     return static_cast<double>(pixels.work_px) / static_cast<double>(pixels.count);
   };
   EXPECT_GT(work_per_pixel(1), 0.03);

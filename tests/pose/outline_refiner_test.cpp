@@ -9,21 +9,39 @@
 namespace ninedot {
 namespace {
 
-/// Whoever asks whether it is more than so much is told so, and need not wait for how much it is.
-TEST(OutlineRefiner, SaysThatAnotherPoseIsWorseBeforeItKnowsByHowMuch) {
+/// A picture of the landmark, what a solver makes of it, and a refiner for more.
+struct Fitted {
+  explicit Fitted(const test::Viewpoint& viewpoint) {
+    test::Scene scene;
+    scene.camera = test::look_at_landmark(viewpoint);
+    picture = test::render(scene, 1);
+    fit = test::first_fit(picture.view());
+  }
+  OptimiserStatistics refine(const OutlineState& start, double hopeless_lsb = 1e9) {
+    int pixels = 100'000;
+    return refiner.refine(picture.view(), start, OutlineRefiner::Start::kClose, 0, pixels,
+                          OutlineRefiner::Light::kSimple, hopeless_lsb);
+  }
+  OutlineState mirrored() const {
+    OutlineState state = refiner.state();
+    state.T_camera_landmark = mirror_image(state.T_camera_landmark, landmark);
+    return state;
+  }
   const CameraModel camera;
   const LandmarkGeometry landmark;
-  const RayTable rays(camera);
-  test::Scene scene;
-  scene.camera = test::look_at_landmark({.distance_m = 1.2, .tilt_rad = 0.4, .azimuth_rad = 0.7});
-  const test::Picture picture = test::render(scene, 1);
-  const auto fit = test::first_fit(picture.view());
-  ASSERT_TRUE(fit);
-  OutlineRefiner refiner(camera, landmark, rays);
-  int pixels = 100'000;
-  ASSERT_TRUE(refiner.refine(picture.view(), fit->outlines, OutlineRefiner::Start::kClose, 0, pixels).has_converged());
-  OutlineState mirrored = refiner.state();
-  mirrored.T_camera_landmark = mirror_image(mirrored.T_camera_landmark, landmark);
+  const RayTable rays{camera};
+  test::Picture picture;
+  OutlineRefiner refiner{camera, landmark, rays};
+  decltype(test::first_fit(ImageView{})) fit;
+};
+
+/// Whoever asks whether it is more than so much is told so, and need not wait for how much it is.
+TEST(OutlineRefiner, SaysThatAnotherPoseIsWorseBeforeItKnowsByHowMuch) {
+  Fitted seen({.distance_m = 1.2, .tilt_rad = 0.4, .azimuth_rad = 0.7});
+  ASSERT_TRUE(seen.fit);
+  ASSERT_TRUE(seen.refine(seen.fit->outlines).has_converged());
+  const OutlineRefiner& refiner = seen.refiner;
+  const OutlineState mirrored = seen.mirrored();
   const double all = refiner.chi2_above(mirrored);
   ASSERT_GT(all, 5000);
   for (const double enough : {10.0, 100.0, 1000.0}) {
@@ -39,29 +57,15 @@ TEST(OutlineRefiner, SaysThatAnotherPoseIsWorseBeforeItKnowsByHowMuch) {
 }
 
 TEST(OutlineRefiner, GivesUpAPoseThatStaysMuchFurtherFromThePicture) {
-  const CameraModel camera;
-  const LandmarkGeometry landmark;
-  const RayTable rays(camera);
-  test::Scene scene;
-  scene.camera = test::look_at_landmark({.distance_m = 1.0, .tilt_rad = 0.5, .azimuth_rad = 0.7});
-  const test::Picture picture = test::render(scene, 1);
-  const auto fit = test::first_fit(picture.view());
-  ASSERT_TRUE(fit);
-  using Refiner = OutlineRefiner;
-  Refiner refiner(camera, landmark, rays);
-  const auto steps_of = [&](const OutlineState& start, double hopeless_lsb) {
-    int pixels = 100'000;
-    return refiner.refine(picture.view(), start, Refiner::Start::kClose, 0, pixels, Refiner::Light::kSimple,
-                          hopeless_lsb);
-  };
-  ASSERT_TRUE(steps_of(fit->outlines, 1e9).has_converged());
-  const double residual_lsb = refiner.fit().residual_lsb;
-  EXPECT_TRUE(steps_of(fit->outlines, 3 * residual_lsb).has_converged());
-  OutlineState mirrored = refiner.state();
-  mirrored.T_camera_landmark = mirror_image(mirrored.T_camera_landmark, landmark);
-  ASSERT_GT(steps_of(mirrored, 1e9).iterations, 3);
-  ASSERT_GT(refiner.fit().residual_lsb, 3 * residual_lsb) << "or this picture tests nothing";
-  const OptimiserStatistics steps = steps_of(mirrored, 3 * residual_lsb);
+  Fitted seen({.distance_m = 1.0, .tilt_rad = 0.5, .azimuth_rad = 0.7});
+  ASSERT_TRUE(seen.fit);
+  ASSERT_TRUE(seen.refine(seen.fit->outlines).has_converged());
+  const double residual_lsb = seen.refiner.fit().residual_lsb;
+  const OutlineState mirrored = seen.mirrored();
+  EXPECT_TRUE(seen.refine(seen.fit->outlines, 3 * residual_lsb).has_converged());
+  ASSERT_GT(seen.refine(mirrored).iterations, 3);
+  ASSERT_GT(seen.refiner.fit().residual_lsb, 3 * residual_lsb) << "or this picture tests nothing";
+  const OptimiserStatistics steps = seen.refine(mirrored, 3 * residual_lsb);
   EXPECT_EQ(steps.stopped, Stopped::kLedNowhere);
   EXPECT_EQ(steps.iterations, 3);
 }
