@@ -81,13 +81,12 @@ double BlobFinder::noise_at_lsb(int level) const noexcept {
 }
 
 BlobFinder::Searched BlobFinder::level_of(const ImageView& luma, int level) noexcept {
-  if (level == 0 && noise_lsb_ >= kNoisy_lsb) {
-    is_smoothed_ = true;
-    smooth(luma, rows_, smoothed_);
-    halve(smoothed_.view(), half_smoothed_);
-    return {smoothed_.view(), half_smoothed_.view(), noise_at_lsb(0), kHalfSmoothedNoise * noise_lsb_};
-  }
-  return {level == 0 ? luma : picture_at(level), levels_[level].view(), noise_at_lsb(level), noise_at_lsb(level + 1)};
+  if (level > 0) return {picture_at(level), levels_[level].view(), noise_at_lsb(level), noise_at_lsb(level + 1)};
+  if (noise_lsb_ < kNoisy_lsb) return {luma, levels_[0].view(), noise_lsb_, noise_at_lsb(1)};
+  is_smoothed_ = true;
+  smooth(luma, rows_, smoothed_);
+  halve(smoothed_.view(), half_smoothed_);
+  return {smoothed_.view(), half_smoothed_.view(), noise_at_lsb(0), kHalfSmoothedNoise * noise_lsb_};
 }
 
 void BlobFinder::search_level(const ImageView& luma, int level, BlobList& blobs, WorkBudget& budget) noexcept {
