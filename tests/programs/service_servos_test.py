@@ -81,7 +81,7 @@ direction = "reversed"
     def test_it_aims_them_and_lets_go_at_the_end(self):
         with self.service() as service, Client(port=self.port) as client:
             service.wait_for_log("12.0 V, 31 degC, load 0 %")
-            self.assertEqual(client.read(SERVO_SUPPLY, 2), [1200, 310])
+            self.wait_until(lambda: client.read(SERVO_SUPPLY, 2) == [1200, 310], "servo_supply, servo_temperature")  # of the next frame
             with self.bus.lock:
                 self.bus.memory[TILT][SUPPLY], self.bus.memory[PAN][TEMPERATURE] = 113, 57
                 self.bus.memory[TILT][LOAD:LOAD + 2] = (-430).to_bytes(2, "little", signed=True)
