@@ -59,6 +59,7 @@ struct OutlineShape {
   double centre = 0;         ///< P9 aside [1]
   double centre_size = 0;    ///< P9 larger or smaller than the ring's dots against the landmark's [1]
   double centre_fourth = 0;  ///< P9 with four corners: of its own short semi-axis [1]
+  double centre_ink = 1;     ///< how dark P9 is, in shares of the ring's dots: paler where it is too small [1]
   int absent = 0;            ///< dots that are not there, though nothing hides them [1]
   int hollow = 0;            ///< dots that are no ink in their middle [1]
   int spots = 0;             ///< of ink on the blank paper between P9 and a whole ring [1]
@@ -79,6 +80,7 @@ struct PoseCandidate {
   OutlineShape shape;                             ///< likewise; 0 but in the best of a search's answer
   double dot_radius_px = 0;                       ///< of the ring's dots, likewise, seen from in front
   double centre_radius_px = 0;                    ///< of P9, likewise
+  double offset_sigma_px = 0;                     ///< 1-sigma of outlines.offset_px
   OutlineState outlines;                          ///< solver "full": what a next frame may start from
   std::array<double, kDotCount> visible_share{};  ///< of each dot's outline, where it belongs. 0..1
 };

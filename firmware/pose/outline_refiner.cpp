@@ -421,6 +421,7 @@ OutlineShape OutlineRefiner::shape() const noexcept {
   const auto visible = visible_share();
   const DotAxes dot{dot_radius_px(), foreshortening(state_.T_camera_landmark) * dot_radius_px()};
   OutlineShape shape = shape_of_outlines(pixels_, landmark_, state_, visible, weights_.noise_variance_lsb2, dot);
+  shape.centre_ink = centre_ink(pixels_.groups.span(), fits_, weights_);
   const CameraFromLandmark seen = as_exposed(state_.T_camera_landmark, state_.motion, camera_);
   shape.absent = count_absent(luma_, camera_, landmark_, seen, visible, weights_.fit);
   shape.spots = count_spots(luma_, camera_, landmark_, seen, visible, weights_.fit);

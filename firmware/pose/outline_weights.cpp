@@ -30,6 +30,7 @@ constexpr double kSpoiledLight = 64;  // a misfit of eight times the allowed var
 constexpr double kShadowVariance = 2.5;
 // What an sRGB curve, 1.055 L^(1/2.4) - 0.055, takes off each grey level that is in proportion to how it changes.
 constexpr double kToe_lsb = 0.055 * 255;
+constexpr double kSameInk = 0.1;     // by so much the ring's dots may differ: more is light, or other inks
 constexpr int kLeastWholeDots = 5;   // more than half of a landmark's
 constexpr double kOutlierChi2 = 16;  // times the median group's: four times as far out
 
@@ -153,6 +154,28 @@ bool shows_an_outline(const GroupFit& fit, const Typical& typical) noexcept {
   return fit.contrast_lsb >= std::max(kLeastContrast_lsb, kLeastContrastShare * typical.contrast_lsb * light);
 }
 
+/// Of one dot's outline.
+struct DotLight {
+  double paper_lsb = 0, contrast_lsb = 0;
+};
+
+/// By pixels; of a dot none of whose outline is there, 0.
+std::array<DotLight, kDotCount> lights_of_dots(std::span<const OutlineGroup> groups, const GroupFits& fits,
+                                               const OutlineWeights& weights) noexcept {
+  std::array<DotLight, kDotCount> lights;
+  std::array<int, kDotCount> pixels{};
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (!weights.outline_there[i]) continue;
+    DotLight& light = lights[groups[i].dot];
+    light.paper_lsb += groups[i].count * fits[i].paper_lsb;
+    light.contrast_lsb += groups[i].count * fits[i].contrast_lsb;
+    pixels[groups[i].dot] += groups[i].count;
+  }
+  for (std::size_t dot = 0; dot < kDotCount; ++dot)
+    if (pixels[dot] > 0) lights[dot].paper_lsb /= pixels[dot], lights[dot].contrast_lsb /= pixels[dot];
+  return lights;
+}
+
 }  // namespace
 
 void weigh_groups(std::span<const OutlineGroup> groups, const GroupFits& fits, double shift_floor_px,
@@ -191,20 +214,21 @@ float ink_share_of(const OutlineFit& fit) noexcept {
 
 void bend_tones(std::span<const OutlineGroup> groups, const GroupFits& fits, const OutlineWeights& weights,
                 std::array<ToneBend, kDotCount>& bends) noexcept {
-  struct Light {
-    double paper_lsb = 0, contrast_lsb = 0, pixels = 0;  // the first two by pixels
-  };
-  std::array<Light, kDotCount> lights;
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    if (!weights.outline_there[i]) continue;
-    Light& light = lights[groups[i].dot];
-    light.paper_lsb += groups[i].count * fits[i].paper_lsb;
-    light.contrast_lsb += groups[i].count * fits[i].contrast_lsb;
-    light.pixels += groups[i].count;
-  }
+  const auto lights = lights_of_dots(groups, fits, weights);
   for (std::size_t dot = 0; dot < kDotCount; ++dot)
-    if (lights[dot].contrast_lsb > 0)
-      bends[dot] = srgb_bend(lights[dot].paper_lsb / lights[dot].pixels, lights[dot].contrast_lsb / lights[dot].pixels);
+    if (lights[dot].contrast_lsb > 0) bends[dot] = srgb_bend(lights[dot].paper_lsb, lights[dot].contrast_lsb);
+}
+
+double centre_ink(std::span<const OutlineGroup> groups, const GroupFits& fits, const OutlineWeights& weights) noexcept {
+  const auto lights = lights_of_dots(groups, fits, weights);
+  if (std::ranges::any_of(lights, [](const DotLight& light) { return !(light.paper_lsb > 0); })) return 1;
+  const auto ink = [&](std::size_t dot) { return lights[dot].contrast_lsb / lights[dot].paper_lsb; };
+  std::array<double, kRingDotCount> ring;
+  for (std::size_t dot = 0; dot < kRingDotCount; ++dot) ring[dot] = ink(dot);
+  std::ranges::sort(ring);
+  const double usual = ring[kRingDotCount / 2];
+  if (ring.front() < (1 - kSameInk) * usual || ring.back() > (1 + kSameInk) * usual) return 1;
+  return ink(kCentreDot) / usual;
 }
 
 bool is_shadowed(double variance_lsb2, double contrast_lsb, double noise_variance_lsb2) noexcept {

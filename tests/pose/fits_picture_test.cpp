@@ -55,6 +55,57 @@ TEST(FitsPicture, NothingThatACameraDoesMovesOutlinesOutwards) {
   EXPECT_FALSE(fits_picture(candidate, usual, {}));
   candidate.outlines.offset_px = 0.3;
   EXPECT_TRUE(fits_picture(candidate, usual, {})) << "ink that ran";
+  candidate.dot_radius_px = 30, candidate.outlines.offset_px = 1.2;
+  EXPECT_FALSE(fits_picture(candidate, usual, {})) << "little of large dots";
+}
+
+TEST(FitsPicture, DotsOfAFewPixelsAreNoLargerThanPrinted) {
+  const PictureNoise usual = noise_of(2);
+  const auto fits = [&](double radius_px, double sigma_px) {
+    PoseCandidate candidate = candidate_with(9, 2);
+    candidate.dot_radius_px = radius_px;
+    candidate.outlines.offset_px = 0.2;
+    candidate.offset_sigma_px = sigma_px;
+    return fits_picture(candidate, usual, {});
+  };
+  EXPECT_TRUE(fits(6, 0.01));
+  EXPECT_FALSE(fits(2, 0.01)) << "by a tenth";
+  EXPECT_TRUE(fits(2, 0.05)) << "noise";
+}
+
+TEST(FitsPicture, OutlinesBesideAHiddenDotLieWhereTheyShould) {
+  const PictureNoise usual = noise_of(2);
+  PoseCandidate candidate = candidate_with(9, 2);
+  candidate.pose.rms_px = 0.25;
+  EXPECT_TRUE(fits_picture(candidate, usual, {})) << "a bumpy sheet";
+  candidate = candidate_with(8, 2);
+  candidate.pose.rms_px = 0.25;
+  EXPECT_FALSE(fits_picture(candidate, usual, {}));
+  candidate.pose.rms_px = 0.1;
+  EXPECT_TRUE(fits_picture(candidate, usual, {}));
+}
+
+TEST(FitsPicture, WhatIsOffInEveryWayALittleIsAnotherThing) {
+  const PictureNoise usual = noise_of(2);
+  const auto fits = [&](double size, double second, double fourth) {
+    PoseCandidate candidate = candidate_with(9, 2);
+    candidate.shape.size = size, candidate.shape.second = second, candidate.shape.fourth = fourth;
+    return fits_picture(candidate, usual, {});
+  };
+  EXPECT_TRUE(fits(0.04, 0, 0));
+  EXPECT_TRUE(fits(0, 0.1, 0));
+  EXPECT_TRUE(fits(0, 0, 0.03));
+  EXPECT_FALSE(fits(0.04, 0.1, 0.03));
+}
+
+TEST(FitsPicture, AMiddleThatIsPalerThanTheRingIsSmaller) {
+  const PictureNoise usual = noise_of(2);
+  PoseCandidate candidate = candidate_with(9, 2);
+  candidate.shape.centre_ink = 0.9;
+  EXPECT_TRUE(fits_picture(candidate, usual, {}));
+  candidate.shape.centre_ink = 0.8;
+  EXPECT_FALSE(fits_picture(candidate, usual, {}));
+  EXPECT_TRUE(fits_picture(candidate, usual, {.is_coloured = true})) << "other inks";
 }
 
 TEST(FitsPicture, NoInkIsDarkerThanBlack) {

@@ -187,7 +187,7 @@ TEST(OutlineShape, IsAllowedToBeWhatMotionInOneDirectionMakesOfIt) {
   EXPECT_FALSE(fits_picture(candidate, PictureNoise(picture.view()))) << "ellipses in several directions";
   candidate.outlines.blur_cos_px2 = 0.8;
   EXPECT_TRUE(fits_picture(candidate, PictureNoise(picture.view())));
-  candidate.shape.centre_size = 0.2;
+  candidate.shape.second = 0.1, candidate.shape.centre_size = 0.18;
   EXPECT_TRUE(fits_picture(candidate, PictureNoise(picture.view()))) << "smeared";
   candidate.outlines.blur_px2 = 1;
   EXPECT_FALSE(fits_picture(candidate, PictureNoise(picture.view()))) << "sharp";

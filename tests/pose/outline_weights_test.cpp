@@ -82,5 +82,27 @@ TEST(OutlineWeights, AreLessOfADotThatAnEdgeOfLightMayMove) {
   for (const std::size_t dot : {0U, 1U, 3U, 4U, 5U, 6U, 7U, 8U}) EXPECT_NEAR(weights.weight[dot], 1, 0.01) << dot;
 }
 
+double centre_ink_of(const Sheet& sheet) { return centre_ink(sheet.groups, sheet.fits, weights_of(sheet)); }
+
+TEST(CentreInk, IsHowDarkTheMiddleIsBesideTheRing) {
+  Sheet sheet = sheet_with(0, 0);
+  EXPECT_DOUBLE_EQ(centre_ink_of(sheet), 1);
+  sheet.fits[kCentreDot].contrast_lsb = 60;
+  EXPECT_DOUBLE_EQ(centre_ink_of(sheet), 0.75);
+  sheet.fits[kCentreDot].paper_lsb = 135;
+  EXPECT_DOUBLE_EQ(centre_ink_of(sheet), 1) << "in less light";
+}
+
+TEST(CentreInk, SaysNothingWhereTheRingIsNotOfOneInkOrNotThere) {
+  Sheet sheet = sheet_with(0, 0);
+  sheet.fits[kCentreDot].contrast_lsb = 60;
+  sheet.fits[2].contrast_lsb = 95;
+  EXPECT_DOUBLE_EQ(centre_ink_of(sheet), 1);
+  sheet.fits[2].contrast_lsb = 2;
+  EXPECT_DOUBLE_EQ(centre_ink_of(sheet), 1);
+  sheet.fits[2].contrast_lsb = 80;
+  EXPECT_DOUBLE_EQ(centre_ink_of(sheet), 0.75);
+}
+
 }  // namespace
 }  // namespace ninedot
