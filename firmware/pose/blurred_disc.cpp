@@ -1,6 +1,8 @@
 #include "pose/blurred_disc.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -21,8 +23,6 @@ constexpr double kLeastPart = 0.1;  // of an outline's length: what no offset ta
 // Below a pixel's own 1/12 and a bit, an edge is no Gaussian's (outline_columns.cpp has the same).
 constexpr double kLeastVariance_px2 = 0.1;
 constexpr float kNotAtNode = 1e-4F;  // keeps (1 - exp(-t)) / t finite and exact to a float at a node itself
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) noexcept { return a.x() * b.y() - a.y() * b.x(); }
 
 /// From pixels to sigmas of the blur: the inverse of its covariance's Cholesky factor.
 Eigen::Matrix2d sigma_per_px(const OutlineState& state) noexcept {
@@ -64,9 +64,12 @@ BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& la
   const double step = 2 * std::numbers::pi / static_cast<double>(count_);
   const double area_px2 = std::abs(circle.determinant() / W.determinant());  // over pi: curvature times speed^3
   const double turns = circle.determinant() > 0 ? 1 : -1;  // which way round the angle goes in the picture
-  for (std::size_t i = 0; i < count_; ++i) {
+  const double per_area = W.determinant() / (2 * std::numbers::pi);
+  const Eigen::Rotation2Dd on(step);
+  Eigen::Vector2d angle(1, 0);  // its cosine and sine
+  for (std::size_t i = 0; i < count_; ++i, angle = on * angle) {
     Node& node = nodes_[i];
-    const double a = step * static_cast<double>(i), cos = std::cos(a), sin = std::sin(a);
+    const double cos = angle.x(), sin = angle.y();
     const double x_m = C.x() + r_m * cos, z_m = C.y() + r_m * sin;
     const Eigen::Vector3d p_m = T.translation_m + x_m * X + z_m * Z;
     // In pixels from the dot's middle.
@@ -81,32 +84,24 @@ BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& la
     node.part_y = static_cast<float>(part.y() / (4 * std::numbers::pi));
     if (asked == Asked::kLightOnly) continue;
 
-    const double per_area = W.determinant() / (2 * std::numbers::pi);
-    const auto swept = [&](const Eigen::Vector2d& move_px) {
-      return static_cast<float>(per_area * cross(move_px, along_px));
-    };
+    const Eigen::Vector2d across_px(along_px.y(), -along_px.x());  // outwards, as long as the part
+    const double out = per_area * along_px.norm();                 // swept by a move outwards
     if (asked == Asked::kState) {
-      const auto swept_by = [&](const Eigen::Vector3d& move) { return swept(px_per_ray * ray_by(p_m, move)); };
-      node.moves = {swept_by(-z_m / kLever_m * n),
-                    swept_by((z_m * X - x_m * Z) / kLever_m),
-                    swept_by(x_m / kLever_m * n),
-                    swept_by(X),
-                    swept_by(n),
-                    swept_by(Z),
-                    swept(outwards_px)};
+      // Swept by a move of the sheet's point: of its ray across the part.
+      const Eigen::Vector2d per_ray = per_area / p_m.z() * px_per_ray.transpose() * across_px;
+      const Eigen::Vector3d per_move(per_ray.x(), per_ray.y(), -per_ray.dot(p_m.hnormalized()));
+      const double by_X = per_move.dot(X), by_n = per_move.dot(n), by_Z = per_move.dot(Z);
+      const std::array<double, kMoveColumns> moves{
+          -z_m / kLever_m * by_n, (z_m * by_X - x_m * by_Z) / kLever_m, x_m / kLever_m * by_n, by_X, by_n, by_Z, out};
+      std::ranges::transform(moves, node.moves.begin(), [](double move) { return static_cast<float>(move); });
     } else {
-      const float out = swept(outwards_px);
-      const auto times = [&](double harmonic) { return static_cast<float>(harmonic) * out; };
-      node.moves = {out,
-                    times(cos),
-                    times(sin),
-                    times(std::cos(2 * a)),
-                    times(std::sin(2 * a)),
-                    times(std::cos(4 * a)),
-                    times(std::sin(4 * a))};
+      const double cos2 = cos * cos - sin * sin, sin2 = 2 * cos * sin;
+      const std::array<double, kMoveColumns> harmonics{
+          1, cos, sin, cos2, sin2, cos2 * cos2 - sin2 * sin2, 2 * cos2 * sin2};
+      std::ranges::transform(harmonics, node.moves.begin(),
+                             [&](double harmonic) { return static_cast<float>(harmonic * out); });
     }
     // More blur along x, along y and across: half of the second derivatives (the heat equation).
-    const Eigen::Vector2d across_px(along_px.y(), -along_px.x());  // outwards, as long as the part
     const std::array<Eigen::Vector2d, kBlurColumns> blur{W * across_px,
                                                          W * Eigen::Vector2d(across_px.x(), -across_px.y()),
                                                          W * Eigen::Vector2d(across_px.y(), across_px.x())};

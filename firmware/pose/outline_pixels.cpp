@@ -87,6 +87,7 @@ bool is_small(const DotEllipse& e, std::size_t dot, Cut cut) noexcept {
 /// Where rows cross the ellipses |M (x - c)| = factor. With the columns a, b of M: |a dx + b dy| = factor.
 class RowSpans {
  public:
+  RowSpans() = default;
   explicit RowSpans(const DotEllipse& e) noexcept : centre_px_(e.centre_px) {
     const Eigen::Vector2d a = e.circle_from_px.col(0), b = e.circle_from_px.col(1);
     aa_ = a.squaredNorm();
@@ -107,8 +108,8 @@ class RowSpans {
   }
 
  private:
-  Eigen::Vector2d centre_px_;
-  double aa_, shear_, det2_;
+  Eigen::Vector2d centre_px_{0, 0};
+  double aa_ = 1, shear_ = 0, det2_ = 1;
 };
 
 /// 0 .. 1 once around, growing with the angle of (x, y), though not evenly: within a third of it.
@@ -160,8 +161,13 @@ OutlinePixels::OutlinePixels(std::size_t capacity)
 
 namespace {
 
-/// The other dots whose blurred ink reaches into the band around one.
-using Neighbours = InlineVector<const DotEllipse*, kDotCount>;
+/// Another dot whose blurred ink reaches into the band around one.
+struct Neighbour {
+  const DotEllipse* e = nullptr;
+  RowSpans spans;
+  double outer = 1;  ///< no pixel beyond so many of its radii sees its ink
+};
+using Neighbours = InlineVector<Neighbour, kDotCount>;
 
 /// About how far a pixel lies from an outline, outside positive.
 double distance_px(const DotEllipse& e, const Eigen::Vector2d& px) noexcept {
@@ -175,18 +181,38 @@ bool are_close(const DotEllipse& a, const DotEllipse& b, double gap_px) noexcept
   return (a.centre_px - b.centre_px).norm() < a.semi_major_px + b.semi_major_px + gap_px;
 }
 
-/// Whether a pixel sees a neighbour's ink: what it sees of both is no one's outline.
-bool sees_another(const Neighbours& neighbours, const DotEllipse& own, const Eigen::Vector2d& px,
-                  double reach_px) noexcept {
-  for (const DotEllipse* other : neighbours) {
-    // Most are far, and |q| tells that: no outline's distance is below (|q| - 1) semi-minor.
-    const double beyond = 1 + reach_px / other->semi_minor_px;
-    if ((other->circle_from_px * (px - other->centre_px)).squaredNorm() > beyond * beyond) continue;
-    const double to_other_px = distance_px(*other, px);
-    if (to_other_px < reach_px && to_other_px < distance_px(own, px)) return true;
+/// Of one row of the picture: the neighbours that any of its pixels may see, and which ones do.
+class NeighboursOfRow {
+ public:
+  /// \param reach_px  of a neighbour's ink
+  NeighboursOfRow(const Neighbours& neighbours, const DotEllipse& own, int y, double reach_px) noexcept
+      : own_(own), y_(y), reach_px_(reach_px) {
+    double x0, x1;
+    for (const Neighbour& neighbour : neighbours)
+      if (neighbour.spans.cross(y, neighbour.outer, x0, x1))
+        (void)there_.try_push_back({neighbour.e, x0, x1});  // as many as neighbours
   }
-  return false;
-}
+
+  /// Whether a pixel sees a neighbour's ink: what it sees of both is no one's outline.
+  bool seen_from(int x) const noexcept {
+    return std::ranges::any_of(there_, [&](const There& other) {
+      if (!(other.first_px <= x && x <= other.last_px)) return false;  // most
+      const Eigen::Vector2d px(x, y_);
+      const double to_other_px = distance_px(*other.e, px);
+      return to_other_px < reach_px_ && to_other_px < distance_px(own_, px);
+    });
+  }
+
+ private:
+  struct There {
+    const DotEllipse* e = nullptr;
+    double first_px = 0, last_px = 0;
+  };
+  const DotEllipse& own_;
+  int y_;
+  double reach_px_;
+  InlineVector<There, kDotCount> there_;
+};
 
 /// A dot and how it is to be looked at.
 struct DotBand {
@@ -271,8 +297,10 @@ bool append_sorted(const ImageView& luma, const RayTable& rays, const DotBand& d
   std::array<std::int32_t, kMaxSectors> counts{};
   std::size_t total = 0;
   const std::size_t room = out.luma.size() - out.count;
+  const double reach_px = kReachOfBand * dot.band_px;
   const bool fits = for_each_stretch(luma, dot, [&](int y, int first, int last) {
     if (room - total < static_cast<std::size_t>((last - first) / dot.thin) + 1) return false;
+    const NeighboursOfRow neighbours(dot.neighbours, e, y, reach_px);
     const float dy = static_cast<float>(y - e.centre_px.y());
     const int begin = first + (dot.thin - (first + 2 * y) % dot.thin) % dot.thin;  // where x + 2 y is a multiple
     for (int x = begin; x <= last; x += kTogether * dot.thin) {
@@ -281,7 +309,7 @@ bool append_sorted(const ImageView& luma, const RayTable& rays, const DotBand& d
       for (int i = 0, at = x; i < kTogether && at <= last; ++i, at += dot.thin) {
         const std::int32_t sector = there[static_cast<std::size_t>(i)];
         if (sector == kBesideBand) continue;
-        if (!dot.neighbours.empty() && sees_another(dot.neighbours, e, {at, y}, kReachOfBand * dot.band_px)) continue;
+        if (neighbours.seen_from(at)) continue;
         out.candidates[total++] = {static_cast<std::int16_t>(at), static_cast<std::int16_t>(y),
                                    static_cast<std::uint8_t>(sector)};
         ++counts[static_cast<std::size_t>(sector)];
@@ -375,7 +403,9 @@ void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, co
     Neighbours neighbours;
     for (std::size_t other = 0; other < kDotCount; ++other)
       if (other != dot && in_front[other] && are_close(ellipses[dot], ellipses[other], (1 + kReachOfBand) * band_px))
-        (void)neighbours.try_push_back(&ellipses[other]);  // as many as dots
+        (void)neighbours.try_push_back(
+            {&ellipses[other], RowSpans(ellipses[other]),
+             1 + kReachOfBand * band_px / ellipses[other].semi_minor_px});  // as many as dots
     if (!append_dot(luma, rays, ellipses[dot], neighbours, shifts[dot], static_cast<std::uint8_t>(dot), band_px, thin,
                     cuts[dot], at_paper_edge, out))
       return;
