@@ -39,8 +39,9 @@ void bend_tones(std::span<const OutlineGroup> groups, const GroupFits& fits, con
                 std::array<ToneBend, kDotCount>& bends) noexcept;
 
 /// How dark P9 is beside its paper, in shares of the ring's dots. A dot whose outline is all blur looks paler where it
-/// is smaller than its model, and darker where it is larger. [1] \return  1 where the ring's dots differ among
-/// themselves (shadows, colours), or one of the nine has no outline Memory: none. Threads: pure.
+/// is smaller than its model, and darker where it is larger.
+/// \return  [1]; 1 where the ring's dots differ (shadows, colours), or one of the nine has no outline
+/// Memory: none. Threads: pure.
 double centre_ink(std::span<const OutlineGroup> groups, const GroupFits& fits, const OutlineWeights& weights) noexcept;
 
 /// Whether pixels lie so far about a group's light that a shadow's edge, or another one, may cross it.
