@@ -161,20 +161,34 @@ OutlinePixels::OutlinePixels(std::size_t capacity)
 
 namespace {
 
+/// About how far pixels lie from an outline, to first order.
+class OutlineGauge {
+ public:
+  OutlineGauge() = default;
+  explicit OutlineGauge(const DotEllipse& e) noexcept
+      : centre_px_(e.centre_px),
+        metric_(e.circle_from_px.transpose() * e.circle_from_px),
+        middle_px_(-e.semi_minor_px) {}
+  /// \return  outside positive
+  double distance_px(const Eigen::Vector2d& px) const noexcept {
+    const Eigen::Vector2d d = px - centre_px_, gradient = metric_ * d;  // of |q|^2 / 2, q on the circle
+    const double radius2 = d.dot(gradient);
+    return radius2 > 0 ? (radius2 - std::sqrt(radius2)) / gradient.norm() : middle_px_;
+  }
+
+ private:
+  Eigen::Vector2d centre_px_{0, 0};
+  Eigen::Matrix2d metric_ = Eigen::Matrix2d::Identity();
+  double middle_px_ = -1;
+};
+
 /// Another dot whose blurred ink reaches into the band around one.
 struct Neighbour {
-  const DotEllipse* e = nullptr;
+  OutlineGauge gauge;
   RowSpans spans;
   double outer = 1;  ///< no pixel beyond so many of its radii sees its ink
 };
 using Neighbours = InlineVector<Neighbour, kDotCount>;
-
-/// About how far a pixel lies from an outline, outside positive.
-double distance_px(const DotEllipse& e, const Eigen::Vector2d& px) noexcept {
-  const Eigen::Vector2d q = e.circle_from_px * (px - e.centre_px);
-  const double radius = q.norm();
-  return radius > 0 ? (radius - 1) * radius / (e.circle_from_px.transpose() * q).norm() : -e.semi_minor_px;
-}
 
 /// Whether two outlines may come nearer to each other than `gap_px`.
 bool are_close(const DotEllipse& a, const DotEllipse& b, double gap_px) noexcept {
@@ -185,12 +199,12 @@ bool are_close(const DotEllipse& a, const DotEllipse& b, double gap_px) noexcept
 class NeighboursOfRow {
  public:
   /// \param reach_px  of a neighbour's ink
-  NeighboursOfRow(const Neighbours& neighbours, const DotEllipse& own, int y, double reach_px) noexcept
+  NeighboursOfRow(const Neighbours& neighbours, const OutlineGauge& own, int y, double reach_px) noexcept
       : own_(own), y_(y), reach_px_(reach_px) {
     double x0, x1;
     for (const Neighbour& neighbour : neighbours)
       if (neighbour.spans.cross(y, neighbour.outer, x0, x1))
-        (void)there_.try_push_back({neighbour.e, x0, x1});  // as many as neighbours
+        (void)there_.try_push_back({&neighbour.gauge, x0, x1});  // as many as neighbours
   }
 
   /// Whether a pixel sees a neighbour's ink: what it sees of both is no one's outline.
@@ -198,17 +212,17 @@ class NeighboursOfRow {
     return std::ranges::any_of(there_, [&](const There& other) {
       if (!(other.first_px <= x && x <= other.last_px)) return false;  // most
       const Eigen::Vector2d px(x, y_);
-      const double to_other_px = distance_px(*other.e, px);
-      return to_other_px < reach_px_ && to_other_px < distance_px(own_, px);
+      const double to_other_px = other.gauge->distance_px(px);
+      return to_other_px < reach_px_ && to_other_px < own_.distance_px(px);
     });
   }
 
  private:
   struct There {
-    const DotEllipse* e = nullptr;
+    const OutlineGauge* gauge = nullptr;
     double first_px = 0, last_px = 0;
   };
-  const DotEllipse& own_;
+  const OutlineGauge& own_;
   int y_;
   double reach_px_;
   InlineVector<There, kDotCount> there_;
@@ -298,9 +312,10 @@ bool append_sorted(const ImageView& luma, const RayTable& rays, const DotBand& d
   std::size_t total = 0;
   const std::size_t room = out.luma.size() - out.count;
   const double reach_px = kReachOfBand * dot.band_px;
+  const OutlineGauge own(e);
   const bool fits = for_each_stretch(luma, dot, [&](int y, int first, int last) {
     if (room - total < static_cast<std::size_t>((last - first) / dot.thin) + 1) return false;
-    const NeighboursOfRow neighbours(dot.neighbours, e, y, reach_px);
+    const NeighboursOfRow neighbours(dot.neighbours, own, y, reach_px);
     const float dy = static_cast<float>(y - e.centre_px.y());
     const int begin = first + (dot.thin - (first + 2 * y) % dot.thin) % dot.thin;  // where x + 2 y is a multiple
     for (int x = begin; x <= last; x += kTogether * dot.thin) {
@@ -404,7 +419,7 @@ void collect_outline_pixels(const ImageView& luma, const CameraModel& camera, co
     for (std::size_t other = 0; other < kDotCount; ++other)
       if (other != dot && in_front[other] && are_close(ellipses[dot], ellipses[other], (1 + kReachOfBand) * band_px))
         (void)neighbours.try_push_back(
-            {&ellipses[other], RowSpans(ellipses[other]),
+            {OutlineGauge(ellipses[other]), RowSpans(ellipses[other]),
              1 + kReachOfBand * band_px / ellipses[other].semi_minor_px});  // as many as dots
     if (!append_dot(luma, rays, ellipses[dot], neighbours, shifts[dot], static_cast<std::uint8_t>(dot), band_px, thin,
                     cuts[dot], at_paper_edge, out))
