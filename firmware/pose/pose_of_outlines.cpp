@@ -49,7 +49,8 @@ constexpr double kNoiseMisfit_px = 0.8;   // times residual over contrast: an ou
 // radius.
 constexpr double kMostInwards = 1.2, kMostOutwards = 0.15, kMostOffset_px = 0.1, kDotGain = 0.02;
 // Of small dots, whose outlines are nearly all blur, that allows for dots larger by a fifth. Rendered landmarks lie a
-// fiftieth of the radius further out at most, in linear light as well; beside it what the pixels leave open.
+// fiftieth of the radius further out at most, in linear light as well, holes of grilles that passed for them 0.1 to
+// 0.18; beside it what the pixels leave open.
 constexpr double kLargerDots = 0.07, kOffsetSigmas = 2;
 // How far outlines may lie from discs', in the shares of outline_shape.h. Over 1500 rendered pictures true landmarks
 // had 0.04 at most (size), 0.04 (second), 0.026 (fourth) and 0.1 (P9 aside, warped sheets). A square has 0.11 (fourth),
@@ -57,10 +58,10 @@ constexpr double kLargerDots = 0.07, kOffsetSigmas = 2;
 constexpr double kMostSize = 0.05, kMostSecond = 0.12, kMostFourth = 0.04, kMostAside = 0.2;
 // P9's size against the ring's dots': 0.024 at most where nothing moved; of a middle that is larger by half 0.3.
 constexpr double kMostCentreSize = 0.1;
+constexpr double kColouredSize = 0.04;  // beside kMostSize
 // How dark P9 is beside the ring's dots: 0.91 to 1.18 in 1400 rendered pictures, the extremes in dots of 2 px and under
 // effects; where holes of a grille were taken for dots 0.76 and 0.82.
 constexpr double kLeastCentreInk = 0.87;
-constexpr double kColouredSize = 0.04;  // beside kMostSize
 // Motion by 2 to 10 px leaves up to 0.29 (second) and 0.31 (P9's size) of dots of 3 to 4 px (120 rendered pictures):
 // less than so much beside the limits above, in shares of the blur's second harmonic; of P9's size only as far as the
 // blur is wider than a sharp one as well. Lenses out of focus leave P9 as it is, to 0.03.
@@ -69,14 +70,15 @@ constexpr double kPerAlong = 3, kSharp_px2 = 0.9, kCentrePerBlur = 2;
 // (1 % of it, drawn dots of 4.6 px) looks like 0.1 of them, which is what a square of that size has. From three on they
 // can be told.
 constexpr double kFourthPerBlur = 0.55, kBlurThatHides = 0.1;
+// Sum of the squares of what the outlines are off and of what their shapes are, each in shares of its limit: what is
+// off in every way a little is another thing. Of 2700 fits of rendered landmarks the worst had 1.27, of eight behind
+// bumpy plastic one 1.7; bolts about a hub had 1.6.
+constexpr double kMostTogether = 1.3;
 // Sharpening by 150 % leaves -1 where dots are small; blur that is too wide by far asks for ink darker than black.
 constexpr double kDarkestInk_lsb = -10;
 // Of P9's outline. A straight edge that leaves five ring dots leaves two thirds of P9's outline, one that leaves four a
 // quarter: half of that, for the dots beside the edge count as whole when they are not quite.
 constexpr double kCentreBesideFive = 0.33, kCentreBesideFour = 0.12;
-// Sum of the squares of all these, each in shares of its limit: what is off in every way a little is another thing.
-// Of 2500 rendered landmarks the worst had 1.27, of eight behind bumpy plastic one 1.7; bolts about a hub had 1.6.
-constexpr double kMostTogether = 1.3;
 constexpr int kLeastSpots = 3;               // on blank paper: two may be dirt
 constexpr double kWholeDot = 0.9;            // visible share: the dot counts as whole
 constexpr double kCentreOfWholeRing = 0.75;  // of P9's outline, where nothing hides a dot around it

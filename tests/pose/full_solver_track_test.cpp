@@ -134,6 +134,7 @@ TEST(FullSolverTrack, LeavesASearchItsPixelsWhereThereIsNothingButNoise) {
   int at_once = 0;
   for (std::uint64_t seed = 2; seed < 22; ++seed) {
     EXPECT_FALSE(before.follow(gone, seed, false).has_value()) << seed;
+    EXPECT_GT(before.pixels_left, 0.5 * WorkBudget{}.pixels) << seed;
     if (before.pixels_left > 0.85 * WorkBudget{}.pixels) ++at_once;  // a look takes 9 %
   }
   EXPECT_GE(at_once, 17);  // some noise looks a bit like ink
