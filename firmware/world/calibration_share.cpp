@@ -20,17 +20,11 @@ IntrinsicsPull pull_of_dots(const DotSightings& dots, const CameraFromLandmark& 
     const Eigen::Vector2d on_sheet_m = landmark.centre_m(dot);
     const Eigen::Vector3d p_m = T_camera_landmark * Eigen::Vector3d(on_sheet_m.x(), 0, on_sheet_m.y());
     if (!(p_m.z() > kNearest_m)) return {};
-    const double per_z = 1 / p_m.z(), u = p_m.x() * per_z, v = p_m.y() * per_z;
-    // The ray moves by -G/z R with the camera's position, and by G [(u, v, 1)]x with its rotation, G = (1 0 -u; 0 1
-    // -v).
-    Eigen::Matrix<double, 2, 3> G, by_turn;
-    G << 1, 0, -u, 0, 1, -v;
-    by_turn << u * v, -1 - u * u, v, 1 + v * v, -u * v, -u;
-    Eigen::Matrix<double, 2, 6> A;
-    A << -per_z * G.lazyProduct(T_camera_landmark.rotation), by_turn;
+    // Position in the landmark's axes: the camera's rotation in them is that of the inverse.
+    const Eigen::Matrix<double, 2, 6> A = ray_by_step(p_m, T_camera_landmark.rotation.transpose());
     const Eigen::Matrix<double, 6, 2> AW = A.transpose().lazyProduct(W);
     pull.normal += AW.lazyProduct(A);
-    pull.by_intrinsics += AW.lazyProduct(ray_by_intrinsics(camera, {u, v}));
+    pull.by_intrinsics += AW.lazyProduct(ray_by_intrinsics(camera, p_m.hnormalized()));
   }
   return pull;
 }

@@ -28,6 +28,18 @@ PoseStep step_between(const WorldFromCamera& from, const WorldFromCamera& to) no
   return step;
 }
 
+// The ray moves by -G/z R with the camera's position, and by G [(u, v, 1)]x with its rotation, G = (1 0 -u; 0 1 -v).
+Eigen::Matrix<double, 2, 6> ray_by_step(const Eigen::Vector3d& p_camera_m,
+                                        const Eigen::Matrix3d& R_world_camera) noexcept {
+  const double per_z = 1 / p_camera_m.z(), u = p_camera_m.x() * per_z, v = p_camera_m.y() * per_z;
+  Eigen::Matrix<double, 2, 3> G, by_turn;
+  G << 1, 0, -u, 0, 1, -v;
+  by_turn << u * v, -1 - u * u, v, 1 + v * v, -u * v, -u;
+  Eigen::Matrix<double, 2, 6> by_step;
+  by_step << -per_z * G.lazyProduct(R_world_camera.transpose()), by_turn;
+  return by_step;
+}
+
 SightingFit& SightingFit::operator+=(const SightingFit& other) noexcept {
   chi2 += other.chi2;
   dots += other.dots;

@@ -20,6 +20,12 @@ WorldFromCamera moved_by(const WorldFromCamera& T_world_camera, const PoseStep& 
 /// The step from one place to another: moved_by(from, step_between(from, to)) == to.
 PoseStep step_between(const WorldFromCamera& from, const WorldFromCamera& to) noexcept;
 
+/// How a point's ray moves with the camera that sees it. \param p_camera_m  the point, before the camera
+/// \param R_world_camera  the camera's axes [1] \return  d(x/z, y/z) by a PoseStep [1/m, 1/rad]
+/// Memory: none. Threads: pure.
+Eigen::Matrix<double, 2, 6> ray_by_step(const Eigen::Vector3d& p_camera_m,
+                                        const Eigen::Matrix3d& R_world_camera) noexcept;
+
 /// Gauss-Newton's equations about a place of the camera; sums of them over several sightings are those of all together:
 /// (sum of normal) step = -(sum of gradient).
 struct SightingFit {
