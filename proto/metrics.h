@@ -53,6 +53,9 @@ enum class MetricId : std::uint8_t {
   kHypothesesCut,
   kNeighboursCut,
   kFramesCut,
+  kRowTime,
+  kRowTimeSigma,
+  kRowTimeWrong,
   kCount,
 };
 inline constexpr std::size_t kMetricCount = static_cast<std::size_t>(MetricId::kCount);
@@ -114,6 +117,9 @@ inline constexpr auto kMetrics = [] {
   {Id::kHypothesesCut,     "hypotheses_cut",      "",     kCounter, 112,     kCounter32, 1,   "detector",       "search",  "{} hypotheses cut", 0, false, "the same for groups of dots that might be a landmark"},
   {Id::kNeighboursCut,     "neighbours_cut",      "",     kCounter, 114,     kCounter32, 1,   "detector",       "search",  "{} neighbour(s) cut", 0, false, "the same for dots near a dot"},
   {Id::kFramesCut,         "frames_cut",          "",     kCounter, 116,     kCounter32, 1,   "detector",       "search",  "{} frame(s) searched in part", 0, false, "frames that held more than is searched in one: the next one's search went on with it"},
+  {Id::kRowTime,           "row_time",            "us",   kGauge,   162,     kI16,       0.01,"frame loop",     "shutter", "{} us from row to row", 2, false, "from one row's exposure to the next one's, as poses are made with it; -32768 where unknown"},
+  {Id::kRowTimeSigma,      "row_time_sigma",      "us",   kGauge,   163,     kI16,       0.01,"frame loop",     "shutter", "1-sigma {}", 2, false, "the same, 1-sigma: 0 where `camera.row_time_us` says it; -32768 where unknown"},
+  {Id::kRowTimeWrong,      "row_time_wrong",      "",     kFlag,    1U << 3, kBits16,    1,   "frame loop",     "shutter", "camera.row_time_us is WRONG|", 0, false, "moving landmarks show another row time than `camera.row_time_us`: poses are made with theirs"},
   });
 }();
 // clang-format on

@@ -27,7 +27,7 @@ inline constexpr std::size_t kBoardSerialLength = 16;
 
 /// Every address has an entry. From here on: exception 02. One request of 125 registers (the protocol's limit) reads
 /// all but the angles, who the device is, and its servos.
-inline constexpr std::size_t kRegisterCount = 162;
+inline constexpr std::size_t kRegisterCount = 164;
 
 // The map without the metrics, which have their own table.
 // clang-format off

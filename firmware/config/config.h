@@ -29,7 +29,8 @@ struct CameraConfig {
   std::string focus = "unchanged";       ///< `focus`: unchanged | fixed | automatic
   double focus_position = -1;            ///< `focus_position`: -1 = not said, 0..1e6 [driver's steps], libcamera [1/m]
   double readout_us = 0;                 ///< `readout_us`: 0..1e6, end of the exposure to the end of the frame
-  double row_time_us = 0;       ///< `row_time_us`: 0..1000; from one row's exposure to the next's, 0 = global shutter
+  /// `row_time_us`: 0..1000; from one row's exposure to the next's, 0 = global shutter; none: nobody has said
+  std::optional<double> row_time_us;
   int stall_frames = 10;        ///< `stall_frames`: 3..1000 frame periods without a frame: the camera is lost
   bool wait_for_device = true;  ///< `wait_for_device`: of older files; `ninedotd` waits whatever it says
   bool loop = true;             ///< `loop`: a recording starts again at its end

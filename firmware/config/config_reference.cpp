@@ -76,9 +76,13 @@ const std::array kKeysUpToTheHead{
               "from the end of the exposure to the end of the frame, for cameras that stamp the end: global shutter "
               "the whole read-out, rolling shutter half of it",
               SLOT(camera.readout_us)},
-    ConfigKey{"camera", "row_time_us", "us", 0, 1000, "",
-              "rolling shutter: from one row's exposure to the next row's; 0 = global shutter, all rows at once",
-              SLOT(camera.row_time_us)},
+    ConfigKey{
+        "camera", "row_time_us", "us", 0, 1000, "",
+        "rolling shutter: from one row's exposure to the next row's; 0 = global shutter, all rows at once; none = "
+        "nobody knows: with a map of several landmarks the pictures of a moving camera show it, and until then "
+        "its poses are as uncertain as that makes them; one landmark alone counts as seen by a global one. Where "
+        "pictures contradict what is said here the log tells it, and poses go by the pictures",
+        SLOT(camera.row_time_us)},
     ConfigKey{"camera", "stall_frames", "", 3, 1000, "",
               "so many frame periods without a frame: the camera is lost, and is opened again",
               SLOT(camera.stall_frames)},

@@ -14,6 +14,7 @@ struct RecordedSightings {
   std::uint64_t frame = 0;    ///< number of the picture in it
   MonoTime time;              ///< of its exposure
   std::vector<LandmarkSighting> list;
+  double fastest_px_s = 0;  ///< of them through the picture
 };
 
 }  // namespace ninedot

@@ -150,6 +150,11 @@ MetricValues frame_metrics(const Report& report, const Health& health, MonoTime 
   out[MetricId::kHypothesesCut] = work.hypotheses_cut;
   out[MetricId::kNeighboursCut] = work.neighbours_cut;
   out[MetricId::kFramesCut] = work.frames_cut;
+  const RowTime& rows = report.row_time;
+  const bool is_known = rows.source != RowTimeSource::kOpen;
+  out[MetricId::kRowTime] = is_known ? rows.mean_s * 1e6 : kUnknown;
+  out[MetricId::kRowTimeSigma] = is_known ? rows.sigma_s * 1e6 : kUnknown;
+  out[MetricId::kRowTimeWrong] = rows.source == RowTimeSource::kContradicted ? 1 : 0;
   return out;
 }
 

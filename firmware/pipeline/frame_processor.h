@@ -7,10 +7,11 @@
 #include <optional>
 
 #include "base/inline_vector.h"
+#include "base/row_time.h"
 #include "detect/failed_search.h"
 #include "detect/observation.h"
-#include "geometry/sheet_motion.h"
 #include "image/frame.h"
+#include "pipeline/sighting_uncertainty.h"
 #include "pose/estimate.h"
 #include "report/report.h"
 #include "track/pose_filter.h"
@@ -33,7 +34,7 @@ struct LandmarkFix {
   bool place_is_sure = false;      ///< a head may turn to it, see is_place_sure
   std::uint16_t quality = 0;       ///< 0..1000, see pose_quality
   LandmarkSighting sighting;       ///< what joins it with others and with other pictures
-  SheetMotion row_motion;          ///< that the sighting was taken to the middle row with
+  RowMotion row_motion;            ///< that the sighting was taken to the middle row with
 
   /// Of the camera in the frame of this landmark.
   const PoseEstimate& pose() const noexcept { return candidates.list[chosen].pose; }
@@ -58,6 +59,7 @@ struct Fix {
   InlineVector<LandmarkFix, kMaxLandmarksInView> landmarks;
   std::optional<WorldFix> world;     ///< none: not valid, or no landmark in view has a place in the world
   std::optional<TrackedPose> track;  ///< by this and all frames before; none: nothing is known of it any more
+  RowTime row_time;                  ///< that the frame's rows were taken for
   std::chrono::nanoseconds process_time{};
   WorkCounts work;  ///< of all frames since the start, whatever `reason` says
 

@@ -30,11 +30,10 @@ LandmarkSeeker::LandmarkSeeker(const CameraModel& camera, const SeekerOptions& o
       full_(camera, options.landmark, options.has_map ? kInRooms : FullSolverOptions{}),
       ellipse_(camera, options.landmark, options.ellipse) {}
 
-void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget,
+void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget, const RowTime& rows,
                            const std::optional<CameraTwist>& twist) noexcept {
-  const auto row_time = frame.row_time.count() > 0 ? frame.row_time : options_.row_time;
   frame_at_ = frame.exposed_at();
-  row_time_s_ = std::chrono::duration<double>(row_time).count();
+  rows_ = rows;
   twist_ = twist;
   noise_ = PictureNoise(frame.luma);
   luma_ = frame.luma;
@@ -58,7 +57,7 @@ FailedSearch LandmarkSeeker::failed_search() const noexcept {
 /// What two frames tell of a landmark that nothing more is known of. \param t_camera_m  where it is seen in this one
 std::optional<SheetMotion> LandmarkSeeker::first_motion(const Track& track,
                                                         const Eigen::Vector3d& t_camera_m) const noexcept {
-  if (row_time_s_ == 0 || twist_ || track.motion_at(frame_at_)) return std::nullopt;
+  if (!rows_differ() || twist_ || track.motion_at(frame_at_)) return std::nullopt;
   return track.motion_across(t_camera_m.hnormalized(), frame_at_);
 }
 
@@ -66,19 +65,26 @@ std::optional<SheetMotion> LandmarkSeeker::first_motion(const Track& track,
 /// \param is_seen_there  its dots are, in this frame; else it is expected there
 RowMotion LandmarkSeeker::motion_of(const Track& track, const Eigen::Vector3d& t_camera_m,
                                     bool is_seen_there) const noexcept {
-  if (row_time_s_ == 0) return {};
   const auto own = track.motion_at(frame_at_);
   const auto across = is_seen_there ? first_motion(track, t_camera_m) : std::nullopt;
   RowMotion motion;
   motion.sheet = own ? *own : twist_ ? twist_->of_sheet_at(t_camera_m) : across.value_or(SheetMotion{});
-  motion.sheet.row_time_s = row_time_s_;
+  motion.sheet.row_time_s = rows_.mean_s;
   motion.sheet.middle_row_px = 0.5 * (camera_.height_px - 1);
   const double rate_sigma_rad_s = own      ? kFollowedRate_rad_s
                                   : twist_ ? twist_->rate_sigma_rad_s
                                   : across ? kSeenRate_rad_s
                                            : kUnknownRate_rad_s;
-  motion.uncertainty = {rate_sigma_rad_s, row_time_s_, motion.sheet.middle_row_px};
+  motion.uncertainty = uncertainty(motion.sheet, t_camera_m, rate_sigma_rad_s);
   return motion;
+}
+
+/// Of the product of how it moves and of the row time.
+RowUncertainty LandmarkSeeker::uncertainty(const SheetMotion& motion, const Eigen::Vector3d& t_camera_m,
+                                           double rate_sigma_rad_s) const noexcept {
+  const double moves_1_s = motion.ray_velocity(t_camera_m, t_camera_m).norm();
+  return {rate_sigma_rad_s * std::abs(rows_.mean_s), moves_1_s * rows_.sigma_s, rate_sigma_rad_s * rows_.sigma_s,
+          motion.middle_row_px};
 }
 
 FitAllowance LandmarkSeeker::allowance(bool is_foretold) const noexcept {
@@ -98,7 +104,8 @@ Result<std::size_t> LandmarkSeeker::follow_outlines(const Frame& frame, Track& t
   // It was fitted as if it stood still, and is found where it nearly did: what it moved is all that was left out.
   const Eigen::Vector3d now_m = followed.pose.T_landmark_camera.inverse().translation_m;
   if (const auto across = first_motion(track, now_m))
-    row_motion_.uncertainty.rate_sigma_rad_s = kSeenRate_rad_s + across->translation_m_s.norm() / now_m.z();
+    row_motion_.uncertainty =
+        uncertainty(motion.sheet, now_m, kSeenRate_rad_s + across->translation_m_s.norm() / now_m.z());
   track.see(observation_of(as_exposed(followed.outlines.T_camera_landmark, motion.sheet, camera_),
                            followed.visible_share, camera_, options_.landmark));
   return track.take(candidates_, frame.exposed_at());

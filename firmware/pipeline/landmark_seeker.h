@@ -5,9 +5,11 @@
 #include <chrono>
 #include <optional>
 
+#include "base/row_time.h"
 #include "detect/detector.h"
 #include "image/frame.h"
 #include "image/noise.h"
+#include "pipeline/camera_twist.h"
 #include "pipeline/sighting_uncertainty.h"
 #include "pose/ellipse_solver.h"
 #include "pose/full_solver.h"
@@ -23,25 +25,6 @@ struct SeekerOptions {
   Solver solver = Solver::kFull;
   EllipseCalibration ellipse{};
   bool has_map = false;  ///< dots may have colours, and what a track foretells is known by its place in the map
-  std::chrono::nanoseconds row_time{};  ///< of a rolling shutter, where the frames themselves don't tell; 0: none
-};
-
-/// A sheet while the rows of a picture are exposed.
-struct RowMotion {
-  SheetMotion sheet;
-  RowUncertainty uncertainty;  ///< of it
-};
-
-/// How the camera moves, in its own axes.
-struct CameraTwist {
-  Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
-  double rate_sigma_rad_s = 0;  ///< of the angular velocity, 1-sigma over all axes
-
-  /// How a sheet that hangs still moves before it then; rows all at once. \param t_camera_m  the sheet's origin
-  SheetMotion of_sheet_at(const Eigen::Vector3d& t_camera_m) const noexcept {
-    return {-angular_velocity_rad_s, -angular_velocity_rad_s.cross(t_camera_m) - velocity_m_s};
-  }
 };
 
 /// Memory: everything is allocated by the constructor. Threads: one caller.
@@ -50,8 +33,10 @@ class LandmarkSeeker {
   LandmarkSeeker(const CameraModel& camera, const SeekerOptions& options);
 
   /// A new picture. \param budget  what it may cost
+  /// \param rows  of the camera's shutter
   /// \param twist  how the camera moves, where that is known; none: a landmark's own track tells it
-  void begin(const Frame& frame, const WorkBudget& budget, const std::optional<CameraTwist>& twist = {}) noexcept;
+  void begin(const Frame& frame, const WorkBudget& budget, const RowTime& rows,
+             const std::optional<CameraTwist>& twist = {}) noexcept;
 
   // What a way to the pose has found, chosen and judged to fit the picture, goes into the track and `candidates`.
   // Errors are those of the detector and of the solvers.
@@ -90,6 +75,9 @@ class LandmarkSeeker {
 
  private:
   FitAllowance allowance(bool is_foretold) const noexcept;
+  bool rows_differ() const noexcept { return rows_.mean_s != 0 || rows_.sigma_s > 0; }
+  RowUncertainty uncertainty(const SheetMotion& motion, const Eigen::Vector3d& t_camera_m,
+                             double rate_sigma_rad_s) const noexcept;
   std::optional<SheetMotion> first_motion(const Track& track, const Eigen::Vector3d& t_camera_m) const noexcept;
   RowMotion motion_of(const Track& track, const Eigen::Vector3d& t_camera_m, bool is_seen_there) const noexcept;
 
@@ -100,7 +88,7 @@ class LandmarkSeeker {
   EllipseSolver ellipse_;
   // Of the frame under way.
   MonoTime frame_at_{};
-  double row_time_s_ = 0;
+  RowTime rows_;
   std::optional<CameraTwist> twist_;
   PictureNoise noise_;
   ImageView luma_;  ///< with what is known of its pattern

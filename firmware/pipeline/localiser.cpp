@@ -8,6 +8,7 @@
 
 #include "base/contract.h"
 #include "geometry/renumbered.h"
+#include "pipeline/picture_row_time.h"
 #include "pipeline/report_reason.h"
 #include "world/map_changes.h"
 
@@ -48,7 +49,8 @@ Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
       lens_(std::make_unique<Lens>(camera, options.seeker, options.intrinsics, options.zoom), options.new_lenses),
       room_(std::make_unique<RoomMap>(options.seeker.landmark, options.map, options.trust.max_ambiguity)),
       track_(track_options(camera, options)),
-      filter_(options.filter) {}
+      filter_(options.filter),
+      row_time_(options.row_time.value_or(std::chrono::nanoseconds{0}), camera.height_px) {}
 
 void Localiser::take_newest_map() noexcept {
   std::unique_ptr<RoomMap> fresh = options_.new_maps != nullptr ? options_.new_maps->take() : nullptr;
@@ -59,8 +61,9 @@ void Localiser::take_newest_map() noexcept {
   options_.new_maps->give_back(std::move(fresh));
 }
 
-/// Through another lens nothing is where it was.
+/// Through another lens nothing is where it was, nor by other rows.
 void Localiser::begin_anew() noexcept {
+  is_to_begin_anew_ = false;
   track_ = Track(track_options(lens_->seeker.camera(), options_));
   filter_.reset();
   next_guess_ = 0;
@@ -109,7 +112,7 @@ void Localiser::follow_in_world(const Frame& frame, const LandmarkFix& fix) noex
   }
   LandmarkSighting sighting = fix.sighting;
   widen_by_scatter(sighting, options_.seeker.landmark);
-  widen(sighting, lens_->seeker.row_motion().uncertainty, lens_->seeker.camera());
+  widen(sighting, lens_->seeker.row_motion().uncertainty, lens_->seeker.camera(), false);
   const JointMember member{&sighting, mapped.T_world_landmark, &mapped.covariance};
   InlineVector<WorldReading, PoseFilter::kMaxReadings> readings;
   const PoseCandidate& believed = fix.candidates.list[fix.chosen];
@@ -131,6 +134,15 @@ void Localiser::follow_in_world(const Frame& frame, const LandmarkFix& fix) noex
   (void)filter_.take(frame.exposed_at(), {&member, 1}, readings.span());
 }
 
+/// By a pose that is right, be it that it is too uncertain to act on: the row time may be why.
+void Localiser::learn_row_time(const LandmarkFix& fix, const TrackedPose& tracked) noexcept {
+  if (!options_.learns_row_time || (fix.verdict != Reason::kNone && fix.verdict != Reason::kUncertain)) return;
+  PictureRowTime picture(&tracked, options_.seeker.landmark, lens_->seeker.camera());
+  picture.add(fix.sighting, fix.row_motion.sheet, mapped().T_world_landmark, nullptr, true);
+  if (const auto evidence = picture.evidence(fix.T_world_camera))
+    is_to_begin_anew_ |= row_time_.learn(*evidence) == RowTimeBelief::News::kContradicted;
+}
+
 void Localiser::add_calibration_error(LandmarkFix& fix) noexcept {
   if (!lens_->calibration_error.is_known()) return;
   PoseCandidate& candidate = fix.candidates.list[fix.chosen];
@@ -146,14 +158,20 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bo
   fix.id = landmark.id;
   fix.candidates = candidates;
   fix.chosen = chosen;
-  widen(fix.candidates.list[chosen].pose, lens_->seeker.row_motion().uncertainty, lens_->seeker.camera());
+  PoseEstimate& widened = fix.candidates.list[chosen].pose;
+  fix.sighting = {fix.id, widened.T_landmark_camera.inverse(), fix.candidates.list[chosen].dots};
+  fix.row_motion = lens_->seeker.row_motion();
+  const double row_time_sigma_s = fix_.row_time.sigma_s;
+  if (row_time_sigma_s > 0)
+    if (const auto step =
+            pose_by_row_time(fix.sighting, fix.row_motion.sheet, options_.seeker.landmark, lens_->seeker.camera()))
+      widened.covariance += row_time_sigma_s * row_time_sigma_s * *step * step->transpose();
+  widen(widened, fix.row_motion.uncertainty, lens_->seeker.camera());
   add_calibration_error(fix);
   const PoseEstimate& pose = fix.pose();
   fix.T_world_camera = landmark.T_world_landmark * pose.T_landmark_camera;
   fix.covariance_world = covariance_in_world(pose.covariance, landmark.T_world_landmark);
   fix.quality = pose_quality(pose);
-  fix.sighting = {fix.id, pose.T_landmark_camera.inverse(), fix.candidates.list[chosen].dots};
-  fix.row_motion = lens_->seeker.row_motion().sheet;
   fix.verdict = verdict_on(pose, fits, options_.trust);
   fix.place_is_sure = is_place_sure(fix.candidates, chosen, fix.verdict, 0, options_.trust);
   fix_.reason = fix.verdict;
@@ -174,7 +192,7 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
   fix_.calibrated = options_.calibrated;
   fix_.solver = options_.seeker.solver;
   const LensInUse::Fit lens = lens_.fit_to(frame);
-  if (lens != LensInUse::Fit::kSame) begin_anew();
+  if (lens != LensInUse::Fit::kSame || is_to_begin_anew_) begin_anew();
   if (lens != LensInUse::Fit::kNone)
     look_at(frame);
   else
@@ -185,7 +203,8 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
 
 /// The whole path of a frame whose lens is there.
 void Localiser::look_at(const Frame& frame) noexcept {
-  lens_->seeker.begin(frame, options_.budget);
+  fix_.row_time = row_time_.begin(frame);
+  lens_->seeker.begin(frame, options_.budget, fix_.row_time);
   // Without tracking a frame's answer depends on that frame alone.
   if (!options_.tracking || track_.is_numbering_refuted()) track_.reset(), filter_.reset();
   const bool has_track = options_.tracking && track_.has_sighting() && next_guess_ == 0;
@@ -211,6 +230,7 @@ void Localiser::look_at(const Frame& frame) noexcept {
     has_search_failed_ = fix_.landmarks.empty();
   }
   fix_.track = filter_.at(frame.exposed_at());
+  if (chosen && fix_.track) learn_row_time(fix_.main(), *fix_.track);
   if (fix_.track) fix_.track->covariance.topLeftCorner<6, 6>() += calibration_share_;
   fix_.found = track_.has_sighting() || !fix_.landmarks.empty();
   if (budget.is_overdrawn) ++frames_cut_;

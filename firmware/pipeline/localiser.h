@@ -1,5 +1,6 @@
 #pragma once
 /// One frame's path: picture -> dots -> landmark -> pose with its uncertainty -> fix. The whole path is in `process`.
+#include <chrono>
 #include <memory>
 #include <optional>
 
@@ -7,6 +8,7 @@
 #include "pipeline/lens.h"
 #include "pipeline/room_map.h"
 #include "pipeline/verdict.h"
+#include "track/row_time_belief.h"
 #include "world/landmark_map.h"
 
 namespace ninedot {
@@ -19,10 +21,15 @@ enum class MainLandmark : std::uint8_t {
 
 struct LocaliserOptions {
   SeekerOptions seeker{};
-  bool tracking = true;  ///< look where the landmark was before searching the whole picture
-  TrustLimits trust{};   ///< what is beyond them is found, but not valid
-  WorkBudget budget{};   ///< what one frame may cost
-  LandmarkMap map{};     ///< Localiser: of one landmark
+  /// From row to row of the camera's shutter, where frames themselves don't tell; 0: all rows at once. None: nobody has
+  /// told. RoomLocaliser is uncertain of it then, and learns it from landmarks in different rows; one landmark's shear
+  /// looks like a tilt, and Localiser takes it for 0. Both see where pictures contradict what was told.
+  std::optional<std::chrono::nanoseconds> row_time{};
+  bool learns_row_time = true;  ///< false: what was told, or 0, stands whatever pictures show
+  bool tracking = true;         ///< look where the landmark was before searching the whole picture
+  TrustLimits trust{};          ///< what is beyond them is found, but not valid
+  WorkBudget budget{};          ///< what one frame may cost
+  LandmarkMap map{};            ///< Localiser: of one landmark
   /// Where maps come from that take the place of `map` between two frames, of landmarks that the same localiser serves;
   /// null: none comes. Must outlive the localiser.
   RoomMapHandoff* new_maps = nullptr;
@@ -76,12 +83,15 @@ class Localiser final : public FrameProcessor {
 
   void add_calibration_error(LandmarkFix& fix) noexcept;
   void follow_in_world(const Frame& frame, const LandmarkFix& fix) noexcept;
+  void learn_row_time(const LandmarkFix& fix, const TrackedPose& tracked) noexcept;
 
   const LocaliserOptions options_;
   LensInUse lens_;
   std::unique_ptr<RoomMap> room_;
   Track track_;
   PoseFilter filter_;
+  RowTimeBelief row_time_;
+  bool is_to_begin_anew_ = false;  // with the next frame: what was followed was so by a wrong row time
   PoseInformation calibration_share_ = PoseInformation::Zero();  // of the newest place in the world
   // What the frame before had no pixels left for: 0 nothing; else the search leaves out the likeliest guess and begins
   // with this one of the less likely.

@@ -117,6 +117,7 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix, con
   report.found = fix.found;
   report.tracking = fix.tracked;
   report.process_time = fix.process_time;
+  report.row_time = fix.row_time;
   if (context.head != nullptr) {
     fill_head(*context.head, report.valid ? &exposed_at : nullptr, report);
   } else {

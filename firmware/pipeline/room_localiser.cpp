@@ -73,7 +73,8 @@ RoomLocaliser::RoomLocaliser(const CameraModel& camera, const LocaliserOptions& 
       lens_(std::make_unique<Lens>(camera, with_map(options.seeker), options.intrinsics, options.zoom),
             options.new_lenses),
       room_(std::make_unique<RoomMap>(options.seeker.landmark, options.map, options.trust.max_ambiguity)),
-      filter_(options.filter) {}
+      filter_(options.filter),
+      row_time_(options.row_time, camera.height_px) {}
 
 /// A map that has come takes the place of the one before. Rings in view stay followed, and who they are stays known
 /// where both maps have the sheet; the track begins anew where its landmarks hang elsewhere.
@@ -93,8 +94,9 @@ void RoomLocaliser::take_newest_map() noexcept {
   options_.new_maps->give_back(std::move(fresh));
 }
 
-/// Through another lens nothing is where it was.
+/// Through another lens nothing is where it was, nor by other rows.
 void RoomLocaliser::begin_anew() noexcept {
+  is_to_begin_anew_ = false;
   in_view_.clear();
   lost_.clear();
   filter_.reset();
@@ -114,11 +116,9 @@ std::optional<FailedSearch> RoomLocaliser::failed_search() const noexcept {
 std::optional<CameraTwist> RoomLocaliser::twist_at(MonoTime time) const noexcept {
   const auto tracked = filter_.at(time);
   if (!tracked) return std::nullopt;
-  const double rate_sigma_rad_s = std::sqrt(tracked->covariance.diagonal().tail<3>().sum());
-  if (rate_sigma_rad_s > kUsableRate_rad_s) return std::nullopt;
-  return CameraTwist{tracked->motion.angular_velocity_rad_s,
-                     tracked->motion.T_world_camera.rotation.transpose() * tracked->motion.velocity_m_s,
-                     rate_sigma_rad_s};
+  const CameraTwist twist = twist_of(*tracked);
+  if (twist.rate_sigma_rad_s > kUsableRate_rad_s) return std::nullopt;
+  return twist;
 }
 
 /// The seeker's answer.
@@ -338,7 +338,7 @@ const Fix& RoomLocaliser::process(const Frame& frame) noexcept {
   fix_.calibrated = options_.calibrated;
   fix_.solver = options_.seeker.solver;
   const LensInUse::Fit lens = lens_.fit_to(frame);
-  if (lens != LensInUse::Fit::kSame) begin_anew();
+  if (lens != LensInUse::Fit::kSame || is_to_begin_anew_) begin_anew();
   if (lens != LensInUse::Fit::kNone)
     look_at(frame);
   else
@@ -349,7 +349,8 @@ const Fix& RoomLocaliser::process(const Frame& frame) noexcept {
 
 /// The whole path of a frame whose lens is there.
 void RoomLocaliser::look_at(const Frame& frame) noexcept {
-  lens_->seeker.begin(frame, kRoomBudget, twist_at(frame.exposed_at()));
+  fix_.row_time = row_time_.begin(frame);
+  lens_->seeker.begin(frame, kRoomBudget, fix_.row_time, twist_at(frame.exposed_at()));
 
   if (options_.tracking) {
     follow(frame);

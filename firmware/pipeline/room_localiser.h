@@ -71,6 +71,8 @@ class RoomLocaliser final : public FrameProcessor {
   void follow_in_world(const Frame& frame, const WorldPose& world, std::span<const SightedLandmark> sighted,
                        const UsedSightings& used) noexcept;
   void add_calibration_error(std::span<const JointMember> used, WorldPose& world) noexcept;
+  void learn_row_time(const WorldPose& world, std::span<const SightedLandmark> sighted,
+                      std::span<const std::size_t> which) noexcept;
   void note_carriers(const WorldPose& world, FilterVerdict verdict) noexcept;
   void believe_world(InView& landmark, std::size_t map_index, std::size_t turn, const WorldPose& world) noexcept;
   void add_fix(const InView& landmark, std::size_t map_index, const SightingVerdict& verdict,
@@ -81,6 +83,8 @@ class RoomLocaliser final : public FrameProcessor {
   LensInUse lens_;
   std::unique_ptr<RoomMap> room_;
   PoseFilter filter_;
+  RowTimeBelief row_time_;
+  bool is_to_begin_anew_ = false;  // with the next frame: what was followed was so by a wrong row time
   PoseInformation calibration_share_ = PoseInformation::Zero();  // of the newest place in the world
   InlineVector<InView, kMaxLandmarksInView> in_view_;
   InlineVector<InView, kMaxLandmarksInView> lost_;  ///< in view in the frame before, and not where they should be

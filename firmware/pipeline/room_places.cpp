@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "geometry/renumbered.h"
+#include "pipeline/picture_row_time.h"
 #include "pipeline/room_localiser.h"
 #include "pose/mirror_image.h"
 #include "pose/renumbered_candidates.h"
@@ -28,6 +29,8 @@ bool is_certain(const WorldPose& world, double nearest_m, const TrustLimits& lim
 WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
   InlineVector<SightedLandmark, kMaxSightings> sighted;
   InlineVector<std::size_t, kMaxSightings> which;  // index in in_view_
+  const bool are_several =
+      std::ranges::count_if(in_view_, [](const InView& landmark) { return landmark.identity.has_value(); }) > 1;
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     const InView& landmark = in_view_[i];
     if (!landmark.identity) continue;
@@ -35,7 +38,7 @@ WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
     SightedLandmark seen;
     seen.sighting = {0, believed.pose.T_landmark_camera.inverse(), believed.dots};
     widen_by_scatter(seen.sighting, options_.seeker.landmark);
-    widen(seen.sighting, landmark.row_motion.uncertainty, lens_->seeker.camera());
+    widen(seen.sighting, landmark.row_motion.uncertainty, lens_->seeker.camera(), are_several);
     for (std::size_t other = 0; other < landmark.candidates.list.size(); ++other) {
       const PoseCandidate& mirror = landmark.candidates.list[other];
       const double above_chi2 = mirror.chi2_above - believed.chi2_above;
@@ -61,6 +64,7 @@ WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
     nearest_m = std::min(nearest_m, seen.sighting.T_camera_landmark.translation_m.norm());
   const UsedSightings used(world, sighted.span(), room_->map);
   follow_in_world(frame, world, sighted.span(), used);
+  learn_row_time(world, sighted.span(), which.span());
   add_calibration_error(used.members.span(), world);
   if (world.is_valid() && !is_certain(world, nearest_m, options_.trust)) world.verdict = WorldVerdict::kUndetermined;
   report_world(world, sighted.span(), which.span());
@@ -103,6 +107,32 @@ void RoomLocaliser::follow_in_world(const Frame& frame, const WorldPose& world,
   if (is_known && !used.members.empty())
     note_carriers(world, filter_.take(frame.exposed_at(), used.members.span(), readings.span()));
   fix_.track = filter_.at(frame.exposed_at());
+}
+
+/// By all whose landmarks have a place in the map, those that were left out as well: it may be why.
+void RoomLocaliser::learn_row_time(const WorldPose& world, std::span<const SightedLandmark> sighted,
+                                   std::span<const std::size_t> which) noexcept {
+  if (!options_.learns_row_time) return;
+  PictureRowTime picture(fix_.track ? &*fix_.track : nullptr, options_.seeker.landmark, lens_->seeker.camera());
+  for (std::size_t i = 0; i < sighted.size(); ++i) {
+    const SightingVerdict& verdict = world.sightings[i];
+    const bool is_used = verdict.use == SightingUse::kUsed;
+    const bool is_known = is_used || (sighted[i].coded && verdict.use != SightingUse::kNoPlace);
+    if (!is_known || !verdict.landmark) continue;
+    const MappedLandmark& mapped = room_->map.landmarks()[*verdict.landmark];
+    const InView& landmark = in_view_[which[i]];
+    const int turn = static_cast<int>(verdict.turn);
+    const PoseCandidate& believed = landmark.candidates.list[landmark.chosen];
+    const LandmarkSighting as_seen{mapped.id, renumbered(sighted[i].sighting.T_camera_landmark, turn),
+                                   renumbered(believed.dots, turn)};
+    picture.add(as_seen, landmark.row_motion.sheet, mapped.T_world_landmark, &mapped.covariance, is_used);
+  }
+  const auto evidence = picture.evidence(world.is_valid() ? std::optional(world.T_world_camera) : std::nullopt);
+  const auto news = evidence ? row_time_.learn(*evidence) : RowTimeBelief::News::kNone;
+  if (news == RowTimeBelief::News::kNone) return;
+  // What was named as moved, and what was followed, was so by a wrong row time.
+  is_to_begin_anew_ |= news == RowTimeBelief::News::kContradicted;
+  room_->world.forget_moved();
 }
 
 /// Once for all landmarks and all frames.
@@ -166,7 +196,14 @@ void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const
   fix.chosen = landmark.chosen;
   PoseEstimate& pose = fix.candidates.list[fix.chosen].pose;
   const bool is_used = world.is_valid() && verdict.use == SightingUse::kUsed;
+  fix.sighting = {mapped.id, pose.T_landmark_camera.inverse(), fix.candidates.list[fix.chosen].dots};
+  fix.row_motion = landmark.row_motion;
   widen(pose, landmark.row_motion.uncertainty, lens_->seeker.camera());
+  const double row_time_sigma_s = row_time_.now().sigma_s;
+  if (row_time_sigma_s > 0)
+    if (const auto step =
+            pose_by_row_time(fix.sighting, fix.row_motion.sheet, options_.seeker.landmark, lens_->seeker.camera()))
+      pose.covariance += row_time_sigma_s * row_time_sigma_s * *step * step->transpose();
   if (lens_->calibration_error.is_known()) {
     const Matrix6d share = lens_->calibration_error.share_of(fix.candidates.list[fix.chosen]);
     pose.covariance += share;
@@ -176,8 +213,6 @@ void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const
   // The world's odds have those of its landmarks' identities in them, where there is a track that tells otherwise.
   const double others_odds = landmark.identity->others_odds;
   pose.ambiguity = is_used ? std::max(world.ambiguity, others_odds) : either(pose.ambiguity, others_odds);
-  fix.sighting = {mapped.id, pose.T_landmark_camera.inverse(), fix.candidates.list[fix.chosen].dots};
-  fix.row_motion = landmark.row_motion.sheet;
   fix.T_world_camera = world.is_valid() ? world.T_world_camera : mapped.T_world_landmark * pose.T_landmark_camera;
   fix.covariance_world =
       world.is_valid() ? world.covariance : covariance_in_world(pose.covariance, mapped.T_world_landmark);

@@ -6,24 +6,18 @@
 #include "world/sighting_fit.h"
 
 namespace ninedot {
-namespace {
 
-double since_s(const RowUncertainty& rows, double row_px) noexcept {
-  return (row_px - rows.middle_row_px) * rows.row_time_s;
-}
-
-}  // namespace
-
-void widen(LandmarkSighting& sighting, const RowUncertainty& rows, const CameraModel& camera) noexcept {
-  if (rows.row_time_s == 0 || rows.rate_sigma_rad_s == 0) return;
+void widen(LandmarkSighting& sighting, const RowUncertainty& rows, const CameraModel& camera, bool may_move) noexcept {
+  const double per_row_rad = rows.per_row_rad(may_move);
+  if (per_row_rad == 0) return;
   const double row_px = camera.pixel_from_normalised(sighting.T_camera_landmark.translation_m.hnormalized()).y();
-  sighting.turn_sigma_rad = rows.rate_sigma_rad_s * std::abs(since_s(rows, row_px));
+  sighting.turn_sigma_rad = per_row_rad * std::abs(row_px - rows.middle_row_px);
   int seen = 0;
   for (const DotSighting& dot : sighting.dots) seen += !dot.information.isZero(0);
   for (DotSighting& dot : sighting.dots) {
     if (dot.information.isZero(0)) continue;
     const double dot_row_px = camera.pixel_from_normalised(dot.ray).y();
-    const double own = rows.rate_sigma_rad_s * (dot_row_px - row_px) * rows.row_time_s;
+    const double own = per_row_rad * (dot_row_px - row_px);
     // (A^-1 + v 1)^-1 = (1 + v A)^-1 A; as often as there are dots, since the sum over them takes it for their own.
     const double variance = seen * own * own;
     dot.information = (Eigen::Matrix2d::Identity() + variance * dot.information).inverse() * dot.information;
@@ -31,12 +25,12 @@ void widen(LandmarkSighting& sighting, const RowUncertainty& rows, const CameraM
 }
 
 void widen(PoseEstimate& pose, const RowUncertainty& rows, const CameraModel& camera) noexcept {
-  if (rows.row_time_s == 0 || rows.rate_sigma_rad_s == 0) return;
+  if (rows.of_motion_rad == 0) return;
   const Eigen::Vector3d t_m = pose.T_landmark_camera.inverse().translation_m;
   const double row_px = camera.pixel_from_normalised(t_m.hnormalized()).y();
-  const double turn_rad = rows.rate_sigma_rad_s * since_s(rows, row_px);
+  const double turn_rad = rows.of_motion_rad * (row_px - rows.middle_row_px);
   // From row to row the picture is sheared by rate times row time times focal length: about as much of a turn.
-  const double shear_rad = rows.rate_sigma_rad_s * rows.row_time_s * camera.fy_px;
+  const double shear_rad = rows.of_motion_rad * camera.fy_px;
   pose.covariance.topLeftCorner<3, 3>().diagonal().array() +=
       (turn_rad * turn_rad + shear_rad * shear_rad) * t_m.squaredNorm();
   pose.covariance.bottomRightCorner<3, 3>().diagonal().array() += turn_rad * turn_rad + shear_rad * shear_rad;

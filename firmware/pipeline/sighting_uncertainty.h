@@ -3,6 +3,8 @@
 ///
 /// A rolling shutter, where nobody knows how fast the camera turns: a row that is exposed dt after the middle one sees
 /// everything shifted by rate times dt. And dots that lie where no sheet would have them.
+#include <cmath>
+
 #include "geometry/camera_model.h"
 #include "geometry/sheet_motion.h"
 #include "pose/estimate.h"
@@ -10,20 +12,36 @@
 
 namespace ninedot {
 
-/// How well the motion across the rows is known.
+/// How well it is known by what a row sees everything shifted against the row above.
 struct RowUncertainty {
-  double rate_sigma_rad_s = 0;  ///< 1-sigma of the camera's turning rate, each axis
-  double row_time_s = 0;        ///< 0: all rows at once, and nothing to be uncertain of
+  // 1-sigma, each axis of the camera; 0: nothing to be uncertain of.
+  double of_motion_rad = 0;    ///< per row, because the sheet's motion is not known exactly
+  double of_row_time_rad = 0;  ///< per row, because the row time is not
+  double of_both_rad = 0;      ///< per row, because neither is: of a first picture, if the camera moves in it
   double middle_row_px = 0;
+
+  double per_row_rad(bool may_move) const noexcept {
+    return std::hypot(of_motion_rad, of_row_time_rad, may_move ? of_both_rad : 0);
+  }
+};
+
+/// A sheet while the rows of a picture are exposed.
+struct RowMotion {
+  SheetMotion sheet;
+  RowUncertainty uncertainty;  ///< of it
 };
 
 /// The turn between the middle row and the landmark's is the sighting's own; by what its rows differ among themselves
 /// makes each ray less certain. Nine dots do not average it away.
 /// Memory: none. Threads: pure.
-void widen(LandmarkSighting& sighting, const RowUncertainty& rows, const CameraModel& camera) noexcept;
+/// \param may_move  in a picture of which neither the motion nor the row time is known; false: the camera stands then.
+/// One landmark alone would never be of use in a first picture otherwise; two contradict each other if it moves.
+void widen(LandmarkSighting& sighting, const RowUncertainty& rows, const CameraModel& camera, bool may_move) noexcept;
 
-/// The same of a pose's covariance: a turn of the camera about its own centre, and what it does to the landmark's
-/// orientation from row to row.
+/// The same of a pose's covariance, for its motion's sake: a turn of the camera about its own centre, and what it does
+/// to the landmark's orientation from row to row. What an uncertain row time adds is row_time_share
+/// (picture_row_time.h); of a landmark that nothing is known of, neither its motion nor the row time, a pose says what
+/// it is if the camera stands.
 void widen(PoseEstimate& pose, const RowUncertainty& rows, const CameraModel& camera) noexcept;
 
 /// Where the dots' places scatter about their own pose by more than they claim, they are that much less certain: a

@@ -15,6 +15,7 @@
 #include "base/inline_vector.h"
 #include "base/mono_time.h"
 #include "base/reason.h"
+#include "base/row_time.h"
 #include "base/work_counts.h"
 
 namespace ninedot {
@@ -84,6 +85,7 @@ struct Report {
   MonoTime published_at{};                  ///< when the frame loop published this report
   std::chrono::nanoseconds latency{};       ///< mid-exposure to publish of the last processed frame
   std::chrono::nanoseconds process_time{};  ///< detection and pose alone
+  RowTime row_time;                         ///< of the camera's shutter, as the newest frame was taken for
 
   bool valid = false;       ///< pose is of this very frame and usable
   bool found = false;       ///< the frame shows a landmark

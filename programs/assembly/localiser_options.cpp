@@ -53,7 +53,9 @@ LocaliserOptions localiser_options(const Config& config) {
   options.seeker.solver = config.pose.solver == "ellipse" ? Solver::kEllipse : Solver::kFull;
   const EllipseConfig& e = config.ellipse;
   options.seeker.ellipse = {e.kmm_mm_per_px, e.p1, e.p2, e.p3, e.cu, e.cv};
-  options.seeker.row_time = std::chrono::nanoseconds(std::llround(1000 * config.camera.row_time_us));
+  std::optional<double> row_time_us = config.camera.row_time_us;
+  if (config.camera.source == "simulated") row_time_us = row_time_us.value_or(0);  // its rows are all made at once then
+  if (row_time_us) options.row_time = std::chrono::nanoseconds(std::llround(1000 * *row_time_us));
   options.tracking = config.pose.tracking;
   options.trust = {config.pose.max_ambiguity, config.pose.max_sigma_percent / 100};
   options.map = landmark_map(config);

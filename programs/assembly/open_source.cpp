@@ -62,7 +62,7 @@ CameraRequest camera_request(const CameraConfig& config, const CalibrationRecord
   request.lower_rate_in_the_dark = config.lower_rate_in_the_dark;
   request.power_line = power_line_of(config.power_line);
   request.readout = from_us(config.readout_us);
-  request.expected_row_time = from_us(config.row_time_us);
+  request.expected_row_time = from_us(config.row_time_us.value_or(0));
   request.focus = focus_of(config.focus);
   request.focus_position = config.focus_position;
   request.is_calibrated = calibration != nullptr;

@@ -133,7 +133,7 @@ SimulationOptions simulation_options(const Config& config, const CameraModel& ca
   options.rate_hz = config.camera.rate_hz;
   options.duration_s = simulation.duration_s;
   options.camera_delay = from_ms(simulation.camera_delay_ms);
-  options.renderer = {simulation.blur_px, simulation.noise_lsb, seed, config.camera.row_time_us * 1e-6,
+  options.renderer = {simulation.blur_px, simulation.noise_lsb, seed, config.camera.row_time_us.value_or(0) * 1e-6,
                       config.camera.exposure_us * 1e-6};
   return options;
 }

@@ -46,7 +46,7 @@ std::vector<MovingSighting> collect(const ShutterArguments& arguments, Config co
           if (landmark.verdict == Reason::kNone || landmark.verdict == Reason::kAmbiguous ||
               landmark.verdict == Reason::kUncertain)
             sightings.push_back({landmark.id, frame.exposed_at(), landmark.sighting.T_camera_landmark,
-                                 landmark.sighting.dots, landmark.row_motion});
+                                 landmark.sighting.dots, landmark.row_motion.sheet});
       });
   // Sheared outlines are read short, so that a look without a row time alone gives too little of it.
   if (looked.is_interrupted && !(row_time_s > 0))

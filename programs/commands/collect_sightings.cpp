@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "base/startup_error.h"
@@ -28,6 +29,9 @@ std::vector<RecordedSightings> collect_sightings(
   RecordingSource source(recording, {});
   check_picture_size(source, camera, recording);
   LocaliserOptions options = localiser_options(config);
+  // Places that are being looked for tell nothing of the shutter: a map that a wrong row time has bent confirms it.
+  options.learns_row_time = false;
+  if (!options.row_time) options.row_time = std::chrono::nanoseconds{0};
   options.search_every = 1;  // there is time, and a landmark that comes into view is worth more here than anywhere else
   const auto localiser = make_localiser(camera, options);
   std::vector<RecordedSightings> frames;
@@ -39,8 +43,13 @@ std::vector<RecordedSightings> collect_sightings(
       throw StartupError(ExitStatus::kWorkFailed, fmt::format("{}: repair the recording", source.last_failure()));
     const Fix& fix = localiser->process(lease->frame);
     RecordedSightings frame{index, lease->frame.number, lease->frame.exposed_at(), {}};
-    for (const LandmarkFix& landmark : fix.landmarks)
-      if (is_of_use(landmark)) frame.list.push_back(landmark.sighting);
+    for (const LandmarkFix& landmark : fix.landmarks) {
+      if (!is_of_use(landmark)) continue;
+      frame.list.push_back(landmark.sighting);
+      const Eigen::Vector3d& t_m = landmark.sighting.T_camera_landmark.translation_m;
+      frame.fastest_px_s =
+          std::max(frame.fastest_px_s, camera.fx_px * landmark.row_motion.sheet.ray_velocity(t_m, t_m).norm());
+    }
     if (!frame.list.empty()) frames.push_back(std::move(frame));
     if (progress) progress(++count, source.frame_count());
   }

@@ -15,6 +15,9 @@
 namespace ninedot {
 namespace {
 
+/// A pixel from the first to the last row of a usual rolling shutter, 16 ms.
+constexpr double kMoving_px_s = 60;
+
 /// More than these few pictures of one landmark are counted, not named.
 constexpr std::size_t kNamedFrames = 5;
 
@@ -83,6 +86,11 @@ std::vector<std::string> map_findings(const BuiltMap& map, const MapStart& start
   for (const std::uint16_t id : map.disagreeing_surveys)
     lines.push_back(fmt::format("landmark {}: the pictures contradict its surveyed place, which was not used", id));
   add_unplaced(map, start, seen, lines);
+  if (!start.config.camera.row_time_us && seen.speed_px_s > kMoving_px_s)
+    lines.push_back(
+        fmt::format("the camera moves (landmarks by {:.0f} px/s), and camera.row_time_us is not told: if its shutter "
+                    "rolls the map is wrong; `ninedot calibrate rolling-shutter` finds it, 0 is a global one",
+                    seen.speed_px_s));
   if (map.variance_factor > 1.5)
     lines.push_back(
         fmt::format("the sightings spread {:.1f} times as widely as they say, and sigmas were enlarged by "

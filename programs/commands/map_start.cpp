@@ -115,12 +115,18 @@ std::uint16_t MapStart::origin() const noexcept {
 
 SeenLandmarks seen_in(std::span<const RecordedSightings> frames, std::size_t recordings) {
   SeenLandmarks seen{{}, {}, std::vector<std::size_t>(recordings)};
+  std::vector<double> speeds_px_s;
   for (const RecordedSightings& frame : frames) {
+    speeds_px_s.push_back(frame.fastest_px_s);
     for (const LandmarkSighting& sighting : frame.list) ++seen.pictures[sighting.id];
     if (frame.list.size() < 2) continue;
     ++seen.joining[frame.recording];
     for (const LandmarkSighting& sighting : frame.list) seen.together.insert(sighting.id);
   }
+  if (speeds_px_s.empty()) return seen;
+  const auto middle = speeds_px_s.begin() + static_cast<std::ptrdiff_t>(speeds_px_s.size() / 2);
+  std::ranges::nth_element(speeds_px_s, middle);
+  seen.speed_px_s = *middle;
   return seen;
 }
 

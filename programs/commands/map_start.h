@@ -35,6 +35,7 @@ struct SeenLandmarks {
   std::map<std::uint16_t, std::size_t> pictures;  ///< that show a landmark, by its id [1]
   std::set<std::uint16_t> together;               ///< ids of those that are in one with another landmark [1]
   std::vector<std::size_t> joining;               ///< of each recording: pictures that show two landmarks or more
+  double speed_px_s = 0;                          ///< of the fastest landmark of a picture, the median
 };
 
 SeenLandmarks seen_in(std::span<const RecordedSightings> frames, std::size_t recordings);

@@ -26,6 +26,7 @@
 #include "programs/assembly/make_localiser.h"
 #include "programs/assembly/motion_options.h"
 #include "programs/assembly/recording_camera.h"
+#include "programs/assembly/row_time_text.h"
 #include "programs/assembly/zoom_choice.h"
 #include "programs/commands/commands.h"
 #include "programs/commands/progress.h"
@@ -202,6 +203,7 @@ void run_replay(const ReplayArguments& arguments) {
   track.finish();
   progress.clear();
   print_summary(counts);
+  if (const std::string shutter = row_time_text(report.row_time); !shutter.empty()) fmt::print(stderr, "{}\n", shutter);
 }
 
 }  // namespace

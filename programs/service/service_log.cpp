@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "drivers/posix/print_patiently.h"
+#include "programs/assembly/row_time_text.h"
 #include "programs/display/live_display.h"
 
 namespace ninedot {
@@ -73,6 +74,12 @@ void ServiceLog::note(const Report& report, const Error& last_error, MonoTime no
   }
   write(has_cause ? fmt::format("{}: {}", reason_sentence(seen_), text_of(last_error))
                   : std::string(reason_sentence(seen_)));
+}
+
+void ServiceLog::note_row_time(const RowTime& rows) {
+  if (rows.source == said_row_time_) return;
+  said_row_time_ = rows.source;
+  if (const std::string text = row_time_text(rows); !text.empty()) write(text);
 }
 
 void ServiceLog::note_device(const std::string& name, const std::string& problem, const std::string& description,

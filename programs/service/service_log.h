@@ -38,6 +38,9 @@ class ServiceLog {
   /// camera that stays away also another error that has lasted for kOtherCause: what hinders it now may be mended.
   void note(const Report& report, const Error& last_error, MonoTime now);
 
+  /// Says once what moving landmarks have shown of the camera's shutter.
+  void note_row_time(const RowTime& rows);
+
   /// Says when a device goes, what else keeps it away, and when it is back, likewise; of the first time only what is to
   /// be said.
   /// \param problem  why it is not in use; empty: it is \param description  about one in use; may be empty
@@ -56,6 +59,7 @@ class ServiceLog {
   static constexpr std::chrono::minutes kSeriesPeriod{1};
   LiveDisplay* display_;
   LogListener* listener_ = nullptr;
+  RowTimeSource said_row_time_ = RowTimeSource::kTold;
   Reason said_ = Reason::kStarting;
   Reason seen_ = Reason::kStarting;
   MonoTime seen_since_{};

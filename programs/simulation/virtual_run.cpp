@@ -19,8 +19,10 @@ namespace ninedot {
 
 namespace {
 
-Config with_simulated_head(Config config) {
+/// As of the simulated head and camera.
+Config simulated(Config config) {
   config.pan_tilt.driver = "simulated";
+  config.camera.source = "simulated";
   return config;
 }
 
@@ -29,7 +31,7 @@ Config with_simulated_head(Config config) {
 VirtualRun::VirtualRun(const Config& config, const CameraModel& camera, const VirtualRunOptions& options)
     : camera_(simulation_options(config, camera, options.seed), line_, clock_),
       head_(line_, clock_, start_angles(config.pan_tilt)),
-      localiser_(make_localiser(camera, localiser_options(with_simulated_head(config)))),
+      localiser_(make_localiser(camera, localiser_options(simulated(config)))),
       body_(body_geometry(config.body)),
       taken_at_(clock_.now()) {
   const AimOptions aim = aim_options(config.pan_tilt, body_);

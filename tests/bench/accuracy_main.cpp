@@ -105,7 +105,13 @@ std::vector<RoomSweep> all_room_sweeps() {
                                 {0, 8, 16, 33}, [](RoomCondition& c, double ms) { c.readout_s = ms / 1000; }),
           sweep_over<RoomSweep>("", "Colour of the light", "light, K",
                                 "For a camera that stays balanced for 5000 K: warm (3000 K), neutral, cool (8000 K).",
-                                {3000, 5000, 8000}, [](RoomCondition& c, double kelvin) { c.light_kelvin = kelvin; })};
+                                {3000, 5000, 8000}, [](RoomCondition& c, double kelvin) { c.light_kelvin = kelvin; }),
+          sweep_over<RoomSweep>("", "A shutter that nobody told of", "readout of all rows, ms",
+                                "The configuration has no `row_time_us`: pictures have to show it. Until they have, "
+                                "places are as uncertain as that "
+                                "makes them.",
+                                {0, 8, 16, 33},
+                                [](RoomCondition& c, double ms) { c.readout_s = ms / 1000, c.is_told = false; })};
 }
 
 using Rows = std::vector<std::function<void()>>;

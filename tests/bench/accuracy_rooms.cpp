@@ -26,9 +26,9 @@ constexpr double kWrongPlace = 0.1;     // of the distance to the nearest landma
 constexpr double kWrongLandmark = 0.2;  // of the distance to it
 
 /// What an integrator would write for this room and camera.
-Config config_of(const RoomWalk& walk, const test::Shutter& shutter) {
+Config config_of(const RoomWalk& walk, const test::Shutter& shutter, bool is_told) {
   Config config;
-  config.camera.row_time_us = 1e6 * shutter.row_time_s;
+  if (is_told) config.camera.row_time_us = 1e6 * shutter.row_time_s;
   for (std::size_t i = 0; i < walk.room().landmarks.size(); ++i) {
     const test::HungLandmark& hung = walk.room().landmarks[i];
     const Eigen::Vector3d place_mm = 1000 * test::place_of(walk.room(), hung);
@@ -99,12 +99,13 @@ class WalkScore {
   explicit WalkScore(const RoomCondition& condition) {
     test::set_noise(sensor_, condition.noise_at_grey128_lsb);
     exposure_ = std::chrono::nanoseconds(std::llround(1e9 * condition.exposure_s));
+    is_told_ = condition.is_told;
   }
 
   void walk(const RoomWalk& walk, std::uint64_t seed) {
     const test::RoomRenderer renderer(walk.room(), lens_, sensor_);
     const test::Shutter shutter = walk.shutter(lens_);
-    const LocaliserOptions options = localiser_options(config_of(walk, shutter));
+    const LocaliserOptions options = localiser_options(config_of(walk, shutter, is_told_));
     const auto localiser = make_localiser(camera_of(lens_), options);
     for (int number = 0; number < kRoomFrames; ++number) {
       const double time_s = number / kRoomRate_hz;
@@ -175,6 +176,7 @@ class WalkScore {
   test::Lens lens_;
   test::Sensor sensor_;
   std::chrono::nanoseconds exposure_{};
+  bool is_told_ = true;
   Detector detector_{camera_of(lens_), LandmarkGeometry{}};
   RoomOutcome outcome_;
   PlaceScore world_, track_;

@@ -20,6 +20,7 @@ struct RoomCondition {
   double speed_m_s = 1;        ///< 0: it stands, and the head too
   double exposure_s = 0.004;
   double readout_s = 0.016;  ///< of the rolling shutter, all rows; 0: global
+  bool is_told = true;       ///< the configuration says so; else it says nothing of the shutter
 };
 
 /// A room, and the way through it. Threads: const is safe.

@@ -17,6 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr double kDistance_m = 1.5;
+constexpr double kRowTime_s = 33e-6;
 
 test::Picture picture_of(const std::vector<test::Sheet>& sheets, double distance_m) {
   test::Scene scene;
@@ -44,15 +45,15 @@ class Passing {
     Frame frame;
     frame.luma = {pixels_.data(), picture_.view().width_px, picture_.view().height_px, picture_.view().width_px};
     frame.set_exposure(MonoTime(1s) + number * 28ms, 4ms);
-    seeker.begin(frame, WorkBudget{});
+    seeker.begin(frame, WorkBudget{}, {kRowTime_s});
     if (number > 0)
       return follows_outlines ? seeker.follow_outlines(frame, track_) : seeker.detect_near_track(frame, track_);
     const auto seen = seeker.detector().find_landmarks(frame.luma);
     return seen ? seeker.solve_guess(frame, seen->front(), track_) : tl::unexpected(seen.error());
   }
-  double rate_sigma_rad_s() const { return seeker.row_motion().uncertainty.rate_sigma_rad_s; }
+  double rate_sigma_rad_s() const { return seeker.row_motion().uncertainty.of_motion_rad / kRowTime_s; }
 
-  LandmarkSeeker seeker{CameraModel{}, {.row_time = 33us}};
+  LandmarkSeeker seeker{CameraModel{}, {}};
 
  private:
   int step_px_;
@@ -68,7 +69,7 @@ TEST(LandmarkSeeker, SaysHowWellTheMotionAcrossRowsWasKnownWhenItWasFitted) {
   for (int number = 0; number < 4; ++number) {
     ASSERT_TRUE(unit.look(number, false)) << number;
     const RowMotion& fitted = unit.seeker.row_motion();
-    EXPECT_EQ(fitted.sheet.row_time_s, 33e-6) << number;
+    EXPECT_EQ(fitted.sheet.row_time_s, kRowTime_s) << number;
     if (number == 0) {
       EXPECT_GT(unit.rate_sigma_rad_s(), 0.5);
       EXPECT_EQ(fitted.sheet.translation_m_s.norm(), 0);
@@ -111,7 +112,7 @@ TEST(LandmarkSeeker, TakesNothingSmallerThanALookAlikeInTheSameFrame) {
     const test::Picture picture = picture_of(sheets, kDistance_m);
     Frame frame;
     frame.luma = picture.view();
-    unit.begin(frame, WorkBudget{});
+    unit.begin(frame, WorkBudget{}, {});
     const auto all = unit.detector().find_all_landmarks(frame.luma, unit.budget());
     if (!all) return -1;
     std::vector<LandmarkObservation> seen(all->begin(), all->end());

@@ -70,7 +70,7 @@ double apart_m(const Eigen::Vector3d& p, const test::CameraPose& camera) {
 TEST(RoomLocaliser, PlacesTheCameraByAllSheetsInView) {
   const test::Scene scene = scene_of({kWall[0], kWall[1], kWall[2]}, kFromAside);
   const test::Picture picture = test::render(scene, 1);
-  RoomLocaliser unit(CameraModel{}, {.map = map_of_wall()});
+  RoomLocaliser unit(CameraModel{}, {.row_time = 0ns, .map = map_of_wall()});
   const Fix& fix = unit.process(frame_of(picture, 1));
   EXPECT_EQ(fix.reason, Reason::kNone);
   ASSERT_EQ(fix.landmarks.size(), 3U);
@@ -125,7 +125,7 @@ TEST(RoomLocaliser, NamesASheetThatWasMovedAndDoesWithoutIt) {
   moved.x_m += 0.15;
   const test::Scene scene = scene_of({kWall[0], moved, kWall[2]}, kFromAside);
   const test::Picture picture = test::render(scene, 1);
-  RoomLocaliser unit(CameraModel{}, {.map = map_of_wall()});
+  RoomLocaliser unit(CameraModel{}, {.row_time = 0ns, .map = map_of_wall()});
   const Fix& fix = unit.process(frame_of(picture, 1));
   ASSERT_TRUE(fix.world);
   EXPECT_EQ(fix.world->used.size(), 2U);

@@ -21,10 +21,10 @@ LandmarkSighting at_row(double row_px, const CameraModel& camera) {
 
 TEST(SightingUncertainty, RowsAwayFromTheMiddleTurnTheWholeLandmark) {
   const CameraModel camera;
-  const RowUncertainty rows{0.02, 33e-6, 0.5 * (camera.height_px - 1)};
+  const RowUncertainty rows{.of_motion_rad = 0.02 * 33e-6, .middle_row_px = 0.5 * (camera.height_px - 1)};
   const LandmarkSighting before = at_row(rows.middle_row_px + 200, camera);
   LandmarkSighting sighting = before;
-  widen(sighting, rows, camera);
+  widen(sighting, rows, camera, true);
   EXPECT_NEAR(sighting.turn_sigma_rad, 0.02 * 200 * 33e-6, 1e-7);
   // A dot's own rows lie ten from the landmark's: 0.005 px, nine times counted for nine dots.
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
@@ -39,9 +39,19 @@ TEST(SightingUncertainty, NothingIsUncertainWhereAllRowsAreExposedAtOnce) {
   const CameraModel camera;
   LandmarkSighting sighting = at_row(400, camera);
   const Eigen::Matrix2d before = sighting.dots[0].information;
-  widen(sighting, {0.02, 0, 239.5}, camera);
+  widen(sighting, {.middle_row_px = 239.5}, camera, true);
   EXPECT_EQ(sighting.turn_sigma_rad, 0);
   EXPECT_EQ(sighting.dots[0].information, before);
+}
+
+TEST(SightingUncertainty, OfAFirstPictureCountsWhereTheCameraMayMoveInIt) {
+  const CameraModel camera;
+  const RowUncertainty rows{.of_both_rad = 0.7 * 33e-6, .middle_row_px = 239.5};
+  LandmarkSighting stands = at_row(400, camera), moves = at_row(400, camera);
+  widen(stands, rows, camera, false);
+  widen(moves, rows, camera, true);
+  EXPECT_EQ(stands.turn_sigma_rad, 0);
+  EXPECT_NEAR(moves.turn_sigma_rad, 0.7 * 33e-6 * 160.5, 1e-5);
 }
 
 }  // namespace

@@ -132,6 +132,13 @@ class MapCommandLine : public testing::Test {
     }
   }
 
+  /// The same pictures, each taken a minute after the one before.
+  void stand_still() {
+    std::ofstream times(folder_ / "wall" / "frames.csv");
+    times << "frame,timestamp_ns,pan_deg,tilt_deg\n";
+    for (std::uint64_t i = 0; i < 6; ++i) times << i << ',' << i * 60'000'000'000 << ",0,0\n";
+  }
+
   /// `ninedot map wall --config ninedot.toml --out map.toml WORDS`
   test::TypedOutcome type(std::vector<std::string> words) {
     words.insert(words.begin(), {"map", path("wall"), "--config", path("ninedot.toml"), "--out", path("map.toml")});
@@ -185,6 +192,18 @@ TEST_F(MapCommandLine, PlacesSheetsThatPicturesShowTogether) {
     EXPECT_LT(log_so3(placed.T_world_landmark.rotation.transpose() * expected.rotation).norm(), 0.5 * kRadPerDeg);
   }
   EXPECT_TRUE(fs::exists(folder_ / "plan.svg"));
+}
+
+/// Of a shutter that nobody has told of the map knows nothing: it is made of the same pictures.
+TEST_F(MapCommandLine, SaysThatACameraWhichMovesMustTellItsShutter) {
+  record(6);
+  const char* const kNote = "camera.row_time_us is not told";
+  EXPECT_NE(type({"--origin", "1"}).said.find(kNote), std::string::npos);
+  write_config("[camera]\nrow_time_us = 0\n");
+  EXPECT_EQ(type({"--origin", "1"}).said.find(kNote), std::string::npos);
+  write_config("");
+  stand_still();
+  EXPECT_EQ(type({"--origin", "1"}).said.find(kNote), std::string::npos) << "pictures at rest";
 }
 
 TEST_F(MapCommandLine, RefusesWhatItCanNotStartFrom) {
@@ -300,6 +319,7 @@ TEST_F(MapCommandLine, NamesSheetsThatTheConfigurationDoesNotHave) {
 
 TEST_F(MapCommandLine, TellsAnotherProgramHowItFares) {
   record(6);
+  write_config("[camera]\nrow_time_us = 0\n");
   testing::internal::CaptureStdout();
   const test::TypedOutcome outcome = type({"--origin", "1", "--plan", path("plan.svg"), "--progress", "json"});
   const std::string news = testing::internal::GetCapturedStdout();

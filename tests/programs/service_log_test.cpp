@@ -157,5 +157,13 @@ TEST(ServiceLog, NamesTheNewestOfASeries) {
             "ninedotd: 7 more clients refused since: the last one 10.0.0.7 is not allowed\n");
 }
 
+TEST(ServiceLog, TellsOnceWhatLandmarksShowOfTheShutter) {
+  ServiceLog log;
+  const auto note = [&](const RowTime& rows) { return written([&] { log.note_row_time(rows); }); };
+  EXPECT_EQ(note({0, 33e-6, RowTimeSource::kOpen}), "");
+  EXPECT_TRUE(note({33e-6, 1e-6, RowTimeSource::kSeen}).starts_with("ninedotd: shutter: 33.0 us from row to row"));
+  EXPECT_EQ(note({33.1e-6, 0.9e-6, RowTimeSource::kSeen}), "") << "told already";
+}
+
 }  // namespace
 }  // namespace ninedot

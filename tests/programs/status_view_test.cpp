@@ -42,6 +42,7 @@ TEST(StatusTable, SaysPoseUncertaintyHeadAndHealthInTheRegistersUnits) {
             "servos     head LOST 16 times, 11.9 V, 48 degC, load 17 %, pulses off by 7 us (p99), max 21\n"
             "search     17 runs cut, 18 blobs cut, 19 hypotheses cut, 20 neighbours cut,\n"
             "           21 frames searched in part\n"
+            "shutter    33.28 us from row to row, 1-sigma 0.62, camera.row_time_us is WRONG\n"
             "device     ninedot 1.20.300, serial number of the board 10000000a1b2c3d\n");
 }
 

@@ -84,6 +84,9 @@ inline MetricValues known_metrics() {
   metrics[kHypothesesCut] = 19;
   metrics[kNeighboursCut] = 20;
   metrics[kFramesCut] = 21;
+  metrics[kRowTime] = 33.28;
+  metrics[kRowTimeSigma] = 0.62;
+  metrics[kRowTimeWrong] = 1;
   return metrics;
 }
 
