@@ -13,8 +13,8 @@ enum class RowTimeSource : std::uint8_t {
 
 struct RowTime {
   double mean_s = 0;   ///< 0: all rows at once; below: the last row is read first
-  double sigma_s = 0;  ///< 1-sigma; 0: as it was told
-  RowTimeSource source = RowTimeSource::kTold;
+  double sigma_s = 0;  ///< 1-sigma; 0: as it was told, or nothing is known of it and it counts as known
+  RowTimeSource source = RowTimeSource::kOpen;
 };
 
 }  // namespace ninedot

@@ -50,7 +50,7 @@ Localiser::Localiser(const CameraModel& camera, const LocaliserOptions& options)
       room_(std::make_unique<RoomMap>(options.seeker.landmark, options.map, options.trust.max_ambiguity)),
       track_(track_options(camera, options)),
       filter_(options.filter),
-      row_time_(options.row_time.value_or(std::chrono::nanoseconds{0}), camera.height_px) {}
+      row_time_(options.row_time, camera.height_px, RowTimeBelief::Untold::kIsGlobal) {}
 
 void Localiser::take_newest_map() noexcept {
   std::unique_ptr<RoomMap> fresh = options_.new_maps != nullptr ? options_.new_maps->take() : nullptr;

@@ -13,6 +13,8 @@ namespace {
 constexpr double kForecastShare = 0.3;
 /// From the place that one landmark gives to that of all: a degree or two.
 constexpr int kRounds = 3;
+/// Landmarks that give a place to begin with; one of three is no mirror image.
+constexpr std::size_t kStarts = 3;
 
 WorldFromCamera camera_by(const WorldFromLandmark& T_world_landmark, const CameraFromLandmark& T) noexcept {
   return T_world_landmark * T.inverse();
@@ -72,14 +74,31 @@ std::optional<RowTimeEvidence> PictureRowTime::evidence_at(const WorldFromCamera
   return evidence;
 }
 
-/// Gauss and Newton's.
+/// Whether it agrees with each of them as well as one that hangs where the map says: by itself, for one that was moved
+/// must not hide among those that were not.
+bool PictureRowTime::explains_each(const WorldFromCamera& T_world_camera,
+                                   const RowTimeEvidence& evidence) const noexcept {
+  Eigen::Matrix<double, 7, 1> to_best;
+  to_best << evidence.step, evidence.error_s;
+  return std::ranges::all_of(members_, [&](const Member& member) {
+    const RowTimeEquations own =
+        equations_of_member({&member.sighting, member.T_world_landmark, member.place_covariance}, member.taken_by,
+                            member.motion, T_world_camera, landmark_, camera_);
+    const double chi2 = own.chi2 + to_best.dot(2 * own.gradient + own.normal * to_best);
+    return chi2 - member.alone_chi2 < WorldOptions{}.max_disagreement_chi2;
+  });
+}
+
+/// Gauss and Newton's. \pre one at least was left out
 std::optional<RowTimeEvidence> PictureRowTime::evidence_that_explains_all(const WorldFromCamera& start) const noexcept {
   WorldFromCamera T = start;
-  double most_chi2 = static_cast<double>(members_.size() - 1) * WorldOptions{}.max_disagreement_chi2;
-  for (const Member& member : members_) most_chi2 += member.alone_chi2;
   for (int round = 0; round < kRounds; ++round) {
-    const auto evidence = evidence_at(T, true);
-    if (!evidence || evidence->chi2 < most_chi2) return evidence;
+    auto evidence = evidence_at(T, true);
+    if (!evidence) return std::nullopt;
+    if (explains_each(T, *evidence)) {
+      evidence->is_of_left_out = true;
+      return evidence;
+    }
     T = moved_by(T, evidence->step);
   }
   return std::nullopt;
@@ -89,11 +108,10 @@ std::optional<RowTimeEvidence> PictureRowTime::evidence(
     const std::optional<WorldFromCamera>& T_world_camera) const noexcept {
   const bool are_all_used = std::ranges::all_of(members_, [](const Member& member) { return member.is_used; });
   if (T_world_camera && are_all_used) return evidence_at(*T_world_camera, true);
-  if (members_.size() > 1)
-    for (const Member& member : members_)
-      if (const auto evidence =
-              evidence_that_explains_all(camera_by(member.T_world_landmark, member.sighting.T_camera_landmark)))
-        return evidence;
+  for (std::size_t i = 0; members_.size() > 1 && i < std::min(members_.size(), kStarts); ++i)
+    if (const auto evidence =
+            evidence_that_explains_all(camera_by(members_[i].T_world_landmark, members_[i].sighting.T_camera_landmark)))
+      return evidence;
   return T_world_camera ? evidence_at(*T_world_camera, false) : std::nullopt;
 }
 

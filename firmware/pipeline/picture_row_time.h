@@ -46,6 +46,7 @@ class PictureRowTime {
     double moved_1_s2 = 0, unsure_1_s2;  ///< squared speed of its ray, and its variance
   };
   std::optional<RowTimeEvidence> evidence_at(const WorldFromCamera& T_world_camera, bool of_all) const noexcept;
+  bool explains_each(const WorldFromCamera& T_world_camera, const RowTimeEvidence& evidence) const noexcept;
   std::optional<RowTimeEvidence> evidence_that_explains_all(const WorldFromCamera& start) const noexcept;
 
   const TrackedPose* tracked_;

@@ -74,14 +74,17 @@ RoomLocaliser::RoomLocaliser(const CameraModel& camera, const LocaliserOptions& 
             options.new_lenses),
       room_(std::make_unique<RoomMap>(options.seeker.landmark, options.map, options.trust.max_ambiguity)),
       filter_(options.filter),
-      row_time_(options.row_time, camera.height_px) {}
+      row_time_(options.row_time, camera.height_px, RowTimeBelief::Untold::kIsOpen) {}
 
 /// A map that has come takes the place of the one before. Rings in view stay followed, and who they are stays known
 /// where both maps have the sheet; the track begins anew where its landmarks hang elsewhere.
 void RoomLocaliser::take_newest_map() noexcept {
   std::unique_ptr<RoomMap> fresh = options_.new_maps != nullptr ? options_.new_maps->take() : nullptr;
   if (fresh == nullptr) return;
-  if (!fresh->take_over(*room_)) filter_.reset();
+  if (!fresh->take_over(*room_)) {
+    filter_.reset();
+    row_time_.forget_pictures();
+  }
   for (InView& landmark : in_view_) {
     landmark.expected.reset();
     // What one map calls black and white may have colours that the other one knows.

@@ -29,8 +29,10 @@ bool is_certain(const WorldPose& world, double nearest_m, const TrustLimits& lim
 WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
   InlineVector<SightedLandmark, kMaxSightings> sighted;
   InlineVector<std::size_t, kMaxSightings> which;  // index in in_view_
-  const bool are_several =
-      std::ranges::count_if(in_view_, [](const InView& landmark) { return landmark.identity.has_value(); }) > 1;
+  // Where nothing is tracked nothing is ever known of the motion: every picture would be a first one.
+  const bool may_move = options_.tracking && std::ranges::count_if(in_view_, [](const InView& landmark) {
+                                               return landmark.identity.has_value();
+                                             }) > 1;
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     const InView& landmark = in_view_[i];
     if (!landmark.identity) continue;
@@ -38,7 +40,7 @@ WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
     SightedLandmark seen;
     seen.sighting = {0, believed.pose.T_landmark_camera.inverse(), believed.dots};
     widen_by_scatter(seen.sighting, options_.seeker.landmark);
-    widen(seen.sighting, landmark.row_motion.uncertainty, lens_->seeker.camera(), are_several);
+    widen(seen.sighting, landmark.row_motion.uncertainty, lens_->seeker.camera(), may_move);
     for (std::size_t other = 0; other < landmark.candidates.list.size(); ++other) {
       const PoseCandidate& mirror = landmark.candidates.list[other];
       const double above_chi2 = mirror.chi2_above - believed.chi2_above;
@@ -129,10 +131,10 @@ void RoomLocaliser::learn_row_time(const WorldPose& world, std::span<const Sight
   }
   const auto evidence = picture.evidence(world.is_valid() ? std::optional(world.T_world_camera) : std::nullopt);
   const auto news = evidence ? row_time_.learn(*evidence) : RowTimeBelief::News::kNone;
-  if (news == RowTimeBelief::News::kNone) return;
-  // What was named as moved, and what was followed, was so by a wrong row time.
+  // What was followed was so by a wrong row time; and what was named as moved, where that explains it. A doubt that
+  // comes by chance explains nothing, and a sheet that was moved stays named.
   is_to_begin_anew_ |= news == RowTimeBelief::News::kContradicted;
-  room_->world.forget_moved();
+  if (news != RowTimeBelief::News::kNone && evidence->is_of_left_out) room_->world.forget_moved();
 }
 
 /// Once for all landmarks and all frames.

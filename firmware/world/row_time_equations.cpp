@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <limits>
 
 namespace ninedot {
 namespace {
@@ -31,7 +32,7 @@ RowTimeEquations equations_of_member(const JointMember& member, const SheetMotio
     if (seen.information(0, 0) == 0 && seen.information(1, 1) == 0) continue;
     const Eigen::Vector2d on_sheet_m = landmark.centre_m(dot);
     const Eigen::Vector3d p_m = T * Eigen::Vector3d(on_sheet_m.x(), 0, on_sheet_m.y());
-    if (!(p_m.z() > kNearest_m)) return {};
+    if (!(p_m.z() > kNearest_m)) return {.chi2 = std::numeric_limits<double>::infinity()};
     const double rows = camera.pixel_from_normalised(seen.ray).y() - taken_by.middle_row_px;
     const Eigen::Vector2d moved = rows * motion.ray_velocity(p_m, T.translation_m);
     const Eigen::Vector2d taken = rows * taken_by.ray_velocity(p_m, T.translation_m);

@@ -26,7 +26,7 @@ struct RowTimeEquations {
 /// Of one member, the uncertainty of its landmark's place eliminated as in fit_of_member.
 /// \param taken_by  what its dots were taken to the middle row with, and the row time that was assumed
 /// \param motion  how its sheet moved, as is known now: what they were taken by too much is taken back
-/// \return  zero: a dot that is seen would lie behind the camera, or none is seen
+/// \return  chi2 infinite, the rest zero: a dot that is seen would lie behind the camera; zero: none is seen
 /// Memory: none. Threads: pure.
 RowTimeEquations equations_of_member(const JointMember& member, const SheetMotion& taken_by, const SheetMotion& motion,
                                      const WorldFromCamera& T_world_camera, const LandmarkGeometry& landmark,
@@ -40,6 +40,7 @@ struct RowTimeEvidence {
   /// What prints, warped sheets and places in the map that are a little off would make of a row time, in every picture
   /// alike, 1-sigma.
   double unexplained_s = 0;
+  bool is_of_left_out = false;  ///< a sighting that the world solver had left out is one of those that agree by it
   PoseStep step_by_row_time = PoseStep::Zero();  ///< how the place moves with the row time [m/s, rad/s]
   PoseStep step = PoseStep::Zero();              ///< to the likeliest place [m, rad]
   double chi2 = 0;                               ///< of all dots, there and with the likeliest row time [1]

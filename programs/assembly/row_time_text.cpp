@@ -13,19 +13,18 @@ std::string row_time_text(const RowTime& rows) {
                                ? fmt::format("all rows at once, to {:.1f} us", sigma_us)
                                : fmt::format("{:.1f} us from row to row (1-sigma {:.1f}){}", mean_us, sigma_us,
                                              mean_us < 0 ? ", the last one first: the picture stands on its head" : "");
-  const std::string key = mean_us < 0 && !is_global ? "" : fmt::format("row_time_us = {:.1f}", is_global ? 0 : mean_us);
+  constexpr const char* kMeasure = "`ninedot calibrate rolling-shutter` measures it for the configuration";
   switch (rows.source) {
     case RowTimeSource::kTold:
     case RowTimeSource::kOpen:
       return "";
     case RowTimeSource::kSeen:
-      return fmt::format("shutter: {}, as moving landmarks show{}", what,
-                         key.empty() ? "" : fmt::format("; [camera] {} lets poses begin with it", key));
+      return fmt::format("shutter: {}, as moving landmarks show; {}", what, kMeasure);
     case RowTimeSource::kContradicted:
       break;
   }
-  return fmt::format("shutter: camera.row_time_us is wrong: moving landmarks show {}; poses go by that{}", what,
-                     key.empty() ? "" : fmt::format(", correct it: {}", key));
+  return fmt::format("shutter: camera.row_time_us is wrong: moving landmarks show {}; poses go by that; {}", what,
+                     kMeasure);
 }
 
 }  // namespace ninedot

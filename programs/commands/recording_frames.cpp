@@ -33,6 +33,7 @@ SeenFrames look_at_frames(
   check_picture_size(source, view.camera, recording);
   LocaliserOptions options = localiser_options(config);
   options.tracking = tracking;
+  options.learns_row_time = false;  // whoever calibrates looks through one shutter all the time
   const auto localiser = make_localiser(view.camera, options);
   Progress progress;
   SeenFrames seen;

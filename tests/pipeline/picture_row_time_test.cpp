@@ -78,6 +78,7 @@ TEST(PictureRowTime, AsksThoseAsWellThatAWrongRowTimeMakesLookMoved) {
     for (const bool is_valid : {true, false}) {
       const auto evidence = seen.evidence(false, is_valid);
       ASSERT_TRUE(evidence) << seed;
+      EXPECT_TRUE(evidence->is_of_left_out) << seed;
       const double sigma_s = 1 / std::sqrt(evidence->information_1_s2);
       EXPECT_NEAR(evidence->error_s, 33e-6, 4 * sigma_s) << seed;
       EXPECT_LT(sigma_s, 3e-6) << seed;
@@ -93,6 +94,7 @@ TEST(PictureRowTime, IsNotToldByASheetThatWasMoved) {
     const auto evidence = seen.evidence(false, true);
     ASSERT_TRUE(evidence) << seed;
     EXPECT_GT(1 / std::sqrt(evidence->information_1_s2), 10e-6) << seed << ": by the other one alone";
+    EXPECT_FALSE(evidence->is_of_left_out) << seed;
     EXPECT_LT(std::abs(evidence->error_s), 5 / std::sqrt(evidence->information_1_s2)) << seed;
   }
 }
