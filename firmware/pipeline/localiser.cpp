@@ -161,11 +161,8 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bo
   PoseEstimate& widened = fix.candidates.list[chosen].pose;
   fix.sighting = {fix.id, widened.T_landmark_camera.inverse(), fix.candidates.list[chosen].dots};
   fix.row_motion = lens_->seeker.row_motion();
-  const double row_time_sigma_s = fix_.row_time.sigma_s;
-  if (row_time_sigma_s > 0)
-    if (const auto step =
-            pose_by_row_time(fix.sighting, fix.row_motion.sheet, options_.seeker.landmark, lens_->seeker.camera()))
-      widened.covariance += row_time_sigma_s * row_time_sigma_s * *step * step->transpose();
+  widened.covariance += row_time_share(fix.sighting, fix.row_motion.sheet, fix_.row_time.sigma_s,
+                                       options_.seeker.landmark, lens_->seeker.camera());
   widen(widened, fix.row_motion.uncertainty, lens_->seeker.camera());
   add_calibration_error(fix);
   const PoseEstimate& pose = fix.pose();

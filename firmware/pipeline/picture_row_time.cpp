@@ -115,14 +115,16 @@ std::optional<RowTimeEvidence> PictureRowTime::evidence(
   return T_world_camera ? evidence_at(*T_world_camera, false) : std::nullopt;
 }
 
-std::optional<PoseStep> pose_by_row_time(const LandmarkSighting& sighting, const SheetMotion& taken_by,
-                                         const LandmarkGeometry& landmark, const CameraModel& camera) noexcept {
+PoseInformation row_time_share(const LandmarkSighting& sighting, const SheetMotion& taken_by, double sigma_s,
+                               const LandmarkGeometry& landmark, const CameraModel& camera) noexcept {
+  if (sigma_s == 0) return PoseInformation::Zero();
   const auto T_landmark_camera = sighting.T_camera_landmark.inverse();
   const auto evidence =
       evidence_of(equations_of_member({&sighting, {}, nullptr}, taken_by, taken_by,
                                       {T_landmark_camera.rotation, T_landmark_camera.translation_m}, landmark, camera));
-  if (!evidence) return std::nullopt;
-  return evidence->step_by_row_time;
+  if (!evidence) return PoseInformation::Zero();
+  const PoseStep step = sigma_s * evidence->step_by_row_time;
+  return step * step.transpose();
 }
 
 }  // namespace ninedot

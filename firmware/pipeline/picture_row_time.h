@@ -55,9 +55,10 @@ class PictureRowTime {
   InlineVector<Member, kMaxSightings> members_;
 };
 
-/// How a pose moves with the row time that its dots were taken to the middle row with.
-/// \return  as a PoseStep, per second [m/s, rad/s]; none: its dots determine no pose
-std::optional<PoseStep> pose_by_row_time(const LandmarkSighting& sighting, const SheetMotion& taken_by,
-                                         const LandmarkGeometry& landmark, const CameraModel& camera) noexcept;
+/// What an uncertain row time adds to the covariance of one landmark's pose: the pose moves with the row time that its
+/// dots were taken to the middle row with. \param sigma_s  1-sigma of it; 0: it adds nothing
+/// \return  of a PoseStep [m^2, m rad, rad^2]; zero also where its dots determine no pose
+PoseInformation row_time_share(const LandmarkSighting& sighting, const SheetMotion& taken_by, double sigma_s,
+                               const LandmarkGeometry& landmark, const CameraModel& camera) noexcept;
 
 }  // namespace ninedot

@@ -201,11 +201,8 @@ void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const
   fix.sighting = {mapped.id, pose.T_landmark_camera.inverse(), fix.candidates.list[fix.chosen].dots};
   fix.row_motion = landmark.row_motion;
   widen(pose, landmark.row_motion.uncertainty, lens_->seeker.camera());
-  const double row_time_sigma_s = row_time_.now().sigma_s;
-  if (row_time_sigma_s > 0)
-    if (const auto step =
-            pose_by_row_time(fix.sighting, fix.row_motion.sheet, options_.seeker.landmark, lens_->seeker.camera()))
-      pose.covariance += row_time_sigma_s * row_time_sigma_s * *step * step->transpose();
+  pose.covariance += row_time_share(fix.sighting, fix.row_motion.sheet, row_time_.now().sigma_s,
+                                    options_.seeker.landmark, lens_->seeker.camera());
   if (lens_->calibration_error.is_known()) {
     const Matrix6d share = lens_->calibration_error.share_of(fix.candidates.list[fix.chosen]);
     pose.covariance += share;

@@ -7,9 +7,6 @@
 namespace ninedot {
 namespace {
 
-/// Nearer than this before the optical centre nothing is seen, as in sighting_fit.cpp. [m]
-constexpr double kNearest_m = 1e-3;
-
 /// Position in the landmark's axes, rotation in the camera's. [1/m^2 .. 1/rad^2]
 IntrinsicsPull pull_of_dots(const DotSightings& dots, const CameraFromLandmark& T_camera_landmark,
                             const LandmarkGeometry& landmark, const CameraModel& camera) noexcept {
@@ -19,7 +16,7 @@ IntrinsicsPull pull_of_dots(const DotSightings& dots, const CameraFromLandmark& 
     if (W(0, 0) == 0 && W(1, 1) == 0) continue;
     const Eigen::Vector2d on_sheet_m = landmark.centre_m(dot);
     const Eigen::Vector3d p_m = T_camera_landmark * Eigen::Vector3d(on_sheet_m.x(), 0, on_sheet_m.y());
-    if (!(p_m.z() > kNearest_m)) return {};
+    if (!(p_m.z() > kNearestSeen_m)) return {};
     // Position in the landmark's axes: the camera's rotation in them is that of the inverse.
     const Eigen::Matrix<double, 2, 6> A = ray_by_step(p_m, T_camera_landmark.rotation.transpose());
     const Eigen::Matrix<double, 6, 2> AW = A.transpose().lazyProduct(W);

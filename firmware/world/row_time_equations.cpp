@@ -2,16 +2,13 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <cmath>
 #include <limits>
 
 namespace ninedot {
 namespace {
 
-using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
-
-/// Nearer than this before the optical centre nothing is seen, as in sighting_fit.cpp. [m]
-constexpr double kNearest_m = 1e-3;
 
 }  // namespace
 
@@ -32,7 +29,7 @@ RowTimeEquations equations_of_member(const JointMember& member, const SheetMotio
     if (seen.information(0, 0) == 0 && seen.information(1, 1) == 0) continue;
     const Eigen::Vector2d on_sheet_m = landmark.centre_m(dot);
     const Eigen::Vector3d p_m = T * Eigen::Vector3d(on_sheet_m.x(), 0, on_sheet_m.y());
-    if (!(p_m.z() > kNearest_m)) return {.chi2 = std::numeric_limits<double>::infinity()};
+    if (!(p_m.z() > kNearestSeen_m)) return {.chi2 = std::numeric_limits<double>::infinity()};
     const double rows = camera.pixel_from_normalised(seen.ray).y() - taken_by.middle_row_px;
     const Eigen::Vector2d moved = rows * motion.ray_velocity(p_m, T.translation_m);
     const Eigen::Vector2d taken = rows * taken_by.ray_velocity(p_m, T.translation_m);
@@ -68,9 +65,7 @@ std::optional<RowTimeEvidence> evidence_of(const RowTimeEquations& equations) no
   if (!(evidence.information_1_s2 > 0)) evidence.information_1_s2 = 0;
   if (evidence.information_1_s2 > 0) evidence.error_s = -pull_1_s / evidence.information_1_s2;
   const PoseStep pull = equations.gradient.head<6>();
-  const PoseStep step_at_rest = -place.solve(pull);
-  evidence.step = step_at_rest + evidence.error_s * evidence.step_by_row_time;
-  evidence.chi2 = equations.chi2 + pull.dot(step_at_rest) + pull_1_s * evidence.error_s;
+  evidence.step = evidence.error_s * evidence.step_by_row_time - place.solve(pull);
   if (!evidence.step_by_row_time.allFinite() || !std::isfinite(evidence.error_s)) return std::nullopt;
   return evidence;
 }

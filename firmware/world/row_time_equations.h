@@ -43,7 +43,6 @@ struct RowTimeEvidence {
   bool is_of_left_out = false;  ///< a sighting that the world solver had left out is one of those that agree by it
   PoseStep step_by_row_time = PoseStep::Zero();  ///< how the place moves with the row time [m/s, rad/s]
   PoseStep step = PoseStep::Zero();              ///< to the likeliest place [m, rad]
-  double chi2 = 0;                               ///< of all dots, there and with the likeliest row time [1]
 };
 
 /// \return  none: the dots determine no place

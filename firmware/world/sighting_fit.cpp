@@ -7,8 +7,6 @@
 namespace ninedot {
 namespace {
 
-/// Nearer than this before the optical centre nothing is seen; it keeps the projection finite. [m]
-constexpr double kNearest_m = 1e-3;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// The middle of a dot in the camera frame: affine in its place on the sheet. [m]
@@ -62,7 +60,7 @@ SightingFit fit_of_sighting(const LandmarkSighting& sighting, const WorldFromLan
     const Eigen::Matrix2d& W = seen.information;
     if (W(0, 0) == 0 && W(1, 1) == 0) continue;
     const Eigen::Vector3d p = seen_from(T_camera_landmark, landmark.centre_m(dot));
-    if (!(p.z() > kNearest_m)) return {.chi2 = kNever};
+    if (!(p.z() > kNearestSeen_m)) return {.chi2 = kNever};
     const double per_z = 1 / p.z(), u = p.x() * per_z, v = p.y() * per_z;
     const Eigen::Vector2d residual = Eigen::Vector2d(u, v) - seen.ray;
     const Eigen::Vector2d Wr = W * residual;

@@ -20,6 +20,9 @@ WorldFromCamera moved_by(const WorldFromCamera& T_world_camera, const PoseStep& 
 /// The step from one place to another: moved_by(from, step_between(from, to)) == to.
 PoseStep step_between(const WorldFromCamera& from, const WorldFromCamera& to) noexcept;
 
+/// Nearer than this before the optical centre nothing is seen; it keeps projections finite.
+inline constexpr double kNearestSeen_m = 1e-3;
+
 /// How a point's ray moves with the camera that sees it. \param p_camera_m  the point, before the camera
 /// \param R_world_camera  the camera's axes [1] \return  d(x/z, y/z) by a PoseStep [1/m, 1/rad]
 /// Memory: none. Threads: pure.

@@ -4,11 +4,14 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <numbers>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "pipeline/room_localiser.h"
+#include "tests/support/allocation_counter.h"
 #include "tests/support/random.h"
 #include "tests/support/rendered_truth.h"
 #include "tests/support/renderer_optics.h"
@@ -69,6 +72,13 @@ class Hall {
   /// \param told  of the row time \param from  frames before are looked at, and not counted
   Outcome look(std::optional<std::chrono::nanoseconds> told, int from) const {
     RoomLocaliser unit(test::pinhole_of(lens_), {.row_time = told, .map = map_});
+    return look(unit, from);
+  }
+
+  const LandmarkMap& map() const { return map_; }
+  CameraModel camera() const { return test::pinhole_of(lens_); }
+
+  Outcome look(RoomLocaliser& unit, int from) const {
     Outcome outcome;
     double squares = 0;
     for (int number = 0; number < kFrames; ++number) {
@@ -77,7 +87,9 @@ class Hall {
       const test::ColourPicture& picture = pictures_[static_cast<std::size_t>(number)];
       frame.luma = picture.luma.view(), frame.chroma = picture.chroma();
       frame.set_exposure(MonoTime(5s + std::chrono::nanoseconds(std::llround(1e9 * number / kRate_hz))), 2ms);
+      const test::AllocationGuard guard;
       const Fix& fix = unit.process(frame);
+      EXPECT_EQ(guard.allocations(), 0U) << "frame " << number;
       outcome.row_time = fix.row_time;
       for (const LandmarkFix& landmark : fix.landmarks)
         if (number >= from && landmark.verdict == Reason::kNone) count_pose(landmark, number, outcome);
@@ -155,6 +167,22 @@ TEST(RollingShutter, ToldWronglyIsContradictedAndPosesAreRightThen) {
     EXPECT_GE(outcome.places, 5) << told.count() << ": sheets that looked moved are believed again";
     EXPECT_EQ(outcome.beyond_5_sigma, 0) << told.count();
   }
+}
+
+/// What they were held against was wrong, perhaps: a sheet that was surveyed badly.
+TEST(RollingShutter, WhatPicturesSaidIsForgottenWithTheMapThatTheyWereHeldAgainst) {
+  RoomMapHandoff maps;
+  RoomLocaliser unit(rolling_hall().camera(), {.row_time = 0us, .map = rolling_hall().map(), .new_maps = &maps});
+  EXPECT_EQ(rolling_hall().look(unit, 0).row_time.source, RowTimeSource::kContradicted);
+  std::vector<MappedLandmark> mended(rolling_hall().map().landmarks().begin(), rolling_hall().map().landmarks().end());
+  for (MappedLandmark& landmark : mended) landmark.T_world_landmark.translation_m.z() += 0.01;
+  maps.put(std::make_unique<RoomMap>(LandmarkGeometry{}, LandmarkMap(std::move(mended)), 0.01));
+  const std::vector<std::uint8_t> grey(640 * 480, 128);
+  Frame frame;
+  frame.number = 100;
+  frame.luma = {grey.data(), 640, 480, 640};
+  frame.set_exposure(MonoTime(7s), 2ms);
+  EXPECT_EQ(unit.process(frame).row_time.source, RowTimeSource::kTold);
 }
 
 /// Half of what it is: that takes longer to be sure of, and until then it is doubted.

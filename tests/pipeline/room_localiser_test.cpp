@@ -89,6 +89,18 @@ TEST(RoomLocaliser, PlacesTheCameraByAllSheetsInView) {
   EXPECT_LT(apart_m(fix.track->motion.T_world_camera.translation_m, scene.camera), 0.01);
 }
 
+/// Without tracking every picture is a first one, and no camera would ever be known to stand.
+TEST(RoomLocaliser, WithoutTrackingAShutterThatNobodyToldOfCountsAsOneOfACameraThatStands) {
+  const test::Picture picture = test::render(scene_of({kWall[0], kWall[1], kWall[2]}, kFromAside), 1);
+  const auto sigma_m = [&](bool tracking) {
+    RoomLocaliser unit(CameraModel{}, {.tracking = tracking, .map = map_of_wall()});
+    const Fix& fix = unit.process(frame_of(picture, 1));
+    return fix.world ? std::sqrt(fix.world->covariance.topLeftCorner<3, 3>().trace()) : 1.0;
+  };
+  EXPECT_LT(sigma_m(false), 0.004);
+  EXPECT_GT(sigma_m(true), 0.008) << "the camera may move in a first picture";
+}
+
 TEST(RoomLocaliser, ReportsTheNearestOrTheSurestOfThem) {
   const test::Picture picture =
       test::render(scene_of({kWall[0], kWall[1], kWall[2]}, {.distance_m = 2.2, .tilt_rad = 0.1}), 1);

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/camera_model.h"
 #include "geometry/planar_pose.h"
 #include "pose/mirror_image.h"
 #include "tests/support/random.h"
@@ -18,6 +19,13 @@ namespace ninedot::test {
 
 inline constexpr double kFocal_px = 600;
 inline constexpr double kDeg = std::numbers::pi / 180;
+
+/// The camera that sees them.
+inline CameraModel camera_of_rooms() {
+  CameraModel camera;
+  camera.fx_px = camera.fy_px = kFocal_px;
+  return camera;
+}
 
 struct RoomOptions {
   int landmarks = 3;

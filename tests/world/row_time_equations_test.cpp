@@ -13,12 +13,6 @@ namespace {
 
 using test::Random;
 
-CameraModel any_camera() {
-  CameraModel camera;
-  camera.fx_px = camera.fy_px = test::kFocal_px;
-  return camera;
-}
-
 /// Two landmarks before a camera that moves, their dots where a rolling shutter shows them.
 struct View {
   test::Room room;
@@ -28,7 +22,7 @@ struct View {
   SheetMotion motion_of(std::size_t i, double assumed_s) const {
     const CameraFromLandmark T = room.T_world_camera.inverse() * room.map[i].T_world_landmark;
     return {-turning_rad_s, -turning_rad_s.cross(T.translation_m) - velocity_m_s, assumed_s,
-            0.5 * (any_camera().height_px - 1)};
+            0.5 * (test::camera_of_rooms().height_px - 1)};
   }
 };
 
@@ -38,7 +32,7 @@ View view_of(Random& random, double row_time_s, bool noisy) {
   view.room = test::random_room(random, {.landmarks = 2, .nearest_m = 1.5, .farthest_m = 3});
   for (double& component : view.turning_rad_s) component = random.uniform(-0.7, 0.7);
   for (double& component : view.velocity_m_s) component = random.uniform(-1, 1);
-  const CameraModel camera = any_camera();
+  const CameraModel camera = test::camera_of_rooms();
   for (std::size_t i = 0; i < view.room.map.size(); ++i) {
     const WorldFromLandmark& place = view.room.map[i].T_world_landmark;
     LandmarkSighting seen = test::sighting_of(random, view.room.T_world_camera, place).sighting;
@@ -66,7 +60,7 @@ std::optional<RowTimeEvidence> evidence_in(const View& view, double assumed_s,
   for (std::size_t i = 0; i < view.sightings.size(); ++i)
     sum += equations_of_member({&view.sightings[i], view.room.map[i].T_world_landmark, place_covariance},
                                view.motion_of(i, assumed_s), view.motion_of(i, 0), view.room.T_world_camera, {},
-                               any_camera());
+                               test::camera_of_rooms());
   return evidence_of(sum);
 }
 
@@ -103,7 +97,7 @@ TEST(RowTimeEquations, SayHowTheirPlaceMovesWithTheRowTime) {
     const View still = view_of(random, 0, false);
     View rolled = still;
     constexpr double kStep_s = 1e-7;
-    const CameraModel camera = any_camera();
+    const CameraModel camera = test::camera_of_rooms();
     std::vector<JointMember> members;
     for (std::size_t i = 0; i < rolled.sightings.size(); ++i) {
       // As if they had been taken to the middle row with kStep_s too much.
@@ -139,11 +133,11 @@ TEST(RowTimeEquations, TakeBackWhatTheDotsWereTakenByTooMuch) {
       for (std::size_t dot = 0; dot < kDotCount; ++dot) {
         const Eigen::Vector2d C = LandmarkGeometry{}.centre_m(dot);
         Eigen::Vector2d& ray = view.sightings[i].dots[dot].ray;
-        ray -= taken_by.since_s(any_camera().pixel_from_normalised(ray).y()) *
+        ray -= taken_by.since_s(test::camera_of_rooms().pixel_from_normalised(ray).y()) *
                taken_by.ray_velocity(T * Eigen::Vector3d(C.x(), 0, C.y()), T.translation_m);
       }
       sum += equations_of_member({&view.sightings[i], view.room.map[i].T_world_landmark, nullptr}, taken_by,
-                                 view.motion_of(i, 0), view.room.T_world_camera, {}, any_camera());
+                                 view.motion_of(i, 0), view.room.T_world_camera, {}, test::camera_of_rooms());
     }
     const auto evidence = evidence_of(sum);
     ASSERT_TRUE(evidence);
