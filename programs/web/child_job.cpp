@@ -35,6 +35,19 @@ std::vector<fs::path> kept_in(const fs::path& folder) {
   return kept;
 }
 
+/// Of the first second from now on that has none: who starts anew at once must not be told to wait.
+fs::path new_folder(const fs::path& parent, std::error_code& error) {
+  fs::create_directories(parent, error);
+  fs::path folder;
+  bool is_made = false;
+  for (auto begun = std::chrono::system_clock::now(); !is_made; begun += 1s) {
+    folder = parent / time_name(begun);
+    is_made = fs::create_directory(folder, error);
+    if (error) break;
+  }
+  return folder;
+}
+
 std::string_view state_of(std::string_view line) {
   constexpr std::string_view kStart = R"({"state":")";
   if (!line.starts_with(kStart)) return {};
@@ -69,12 +82,8 @@ DeskReply ChildJob::start(const JobOrder& order) {
   std::error_code error;
   std::vector<fs::path> kept = kept_in(order.folder);
   for (; kept.size() >= kMostKept; kept.erase(kept.begin())) fs::remove_all(kept.front(), error);
-  const std::string name = time_name(std::chrono::system_clock::now());
-  const fs::path folder = fs::path(order.folder) / name;
-  fs::create_directories(order.folder, error);
-  if (!fs::create_directory(folder, error))
-    return {409, fmt::format("{} can't be made: {}\n", folder.string(),
-                             error ? error.message() : std::string("try again in a second"))};
+  const fs::path folder = new_folder(order.folder, error);
+  if (error) return {409, fmt::format("{} can't be made: {}\n", folder.string(), error.message())};
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return {500, fmt::format("No pipe: {}\n", std::strerror(errno))};
   FileDescriptor told(ends[0]);
@@ -92,7 +101,7 @@ DeskReply ChildJob::start(const JobOrder& order) {
   child_ = *child;
   group_ = order.group, of_ = order.of;
   phase_ = Phase::kRunning;
-  folder_ = order.folder, name_ = name;
+  folder_ = order.folder, name_ = folder.filename().string();
   news_.clear(), why_.clear();
   asked_at_ = mono_now();
   ++number_;

@@ -129,6 +129,7 @@ test("the whole way: the head goes from stop to stop by itself, and what comes o
   const before = own.file();
   const { page, close } = await openHead();
   await start(page);
+  await until("it is under way", async () => (await state()).phase === "running");
   // Until its first news the view tells how the one before ended.
   await page.waitForFunction(() => /^Stop \d+ of/.test(document.querySelector("#head-state").textContent), null, { timeout: 60000 });
   await page.waitForFunction(() => /Calibrated|No calibration/.test(document.querySelector("#head-state").textContent), null, { timeout: 300000 });

@@ -178,7 +178,6 @@ TEST_F(MapDeskTest, WaitsForACalibrationAndACalibrationForIt) {
   EXPECT_EQ(calibrations.reply_to("finish").status, 409U);
   EXPECT_EQ(desk.reply_to("cancel").status, 200U);
   expect_part(until(desk, R"("news":null)"), R"("phase":"cancelled")");
-  std::this_thread::sleep_for(1100ms);  // names are seconds
   EXPECT_EQ(calibrations.reply_to("start camera").status, 200U);
   until(calibrations, "reading");
   expect_part(desk.reply_to(start("1")).text, "A calibration is under way");
