@@ -43,9 +43,9 @@ struct LandmarkFix {
 /// Where the camera is in the world, by all landmarks of a frame that have a place there.
 struct WorldFix {
   WorldFromCamera T_world_camera;
-  PoseInformation covariance = PoseInformation::Zero();             ///< of a PoseStep [m^2, m rad, rad^2]
-  double ambiguity = 0;                                             ///< odds of all other places, 0..1
-  InlineVector<std::uint16_t, kMaxLandmarksInView> used, rejected;  ///< ids of the map
+  PoseInformation covariance = PoseInformation::Zero();   ///< of a PoseStep [m^2, m rad, rad^2]
+  double ambiguity = 0;                                   ///< odds of all other places, 0..1
+  InlineVector<std::uint16_t, kMaxLandmarksInView> used;  ///< ids of the map
 };
 
 /// What one frame says of where the camera is. Says nothing of the frames before it.
@@ -57,6 +57,9 @@ struct Fix {
   Solver solver = Solver::kFull;
   /// The landmarks that gave a pose, to be acted on or not, the one that counts first.
   InlineVector<LandmarkFix, kMaxLandmarksInView> landmarks;
+  /// Ids of those in view that do not hang where the map says: found so in this frame, or before, whether `world` is
+  /// there or not.
+  InlineVector<std::uint16_t, kMaxLandmarksInView> rejected;
   std::optional<WorldFix> world;     ///< none: not valid, or no landmark in view has a place in the world
   std::optional<TrackedPose> track;  ///< by this and all frames before; none: nothing is known of it any more
   RowTime row_time;                  ///< that the frame's rows were taken for

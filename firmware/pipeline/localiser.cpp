@@ -107,7 +107,7 @@ void Localiser::follow_in_world(const Frame& frame, const LandmarkFix& fix) noex
   const MappedLandmark& mapped = this->mapped();
   const PoseEstimate& pose = fix.pose();
   if (fix.verdict == Reason::kNone) {
-    fix_.world = WorldFix{fix.T_world_camera, fix.covariance_world, pose.ambiguity, {}, {}};
+    fix_.world = WorldFix{fix.T_world_camera, fix.covariance_world, pose.ambiguity, {}};
     (void)fix_.world->used.try_push_back(fix.id);
   }
   LandmarkSighting sighting = fix.sighting;

@@ -112,8 +112,8 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix, con
     report.ambiguity = fix.main().pose().ambiguity;
   }
   report.landmarks_seen = static_cast<std::uint16_t>(fix.landmarks.size());
-  report.landmarks_rejected = static_cast<std::uint16_t>(fix.world ? fix.world->rejected.size() : 0);
-  if (report.landmarks_rejected > 0) report.last_rejected_id = fix.world->rejected[report.landmarks_rejected - 1U];
+  report.landmarks_rejected = static_cast<std::uint16_t>(fix.rejected.size());
+  if (report.landmarks_rejected > 0) report.last_rejected_id = fix.rejected[report.landmarks_rejected - 1U];
   report.found = fix.found;
   report.tracking = fix.tracked;
   report.process_time = fix.process_time;

@@ -338,6 +338,7 @@ const Fix& RoomLocaliser::process(const Frame& frame) noexcept {
   fix_.landmarks.clear();
   has_search_failed_ = false;
   fix_.world.reset();
+  fix_.rejected.clear();
   fix_.calibrated = options_.calibrated;
   fix_.solver = options_.seeker.solver;
   const LensInUse::Fit lens = lens_.fit_to(frame);

@@ -158,7 +158,7 @@ void RoomLocaliser::note_carriers(const WorldPose& world, FilterVerdict verdict)
 /// What the picture says of each landmark, and of the camera in the world.
 void RoomLocaliser::report_world(const WorldPose& world, std::span<const SightedLandmark> sighted,
                                  std::span<const std::size_t> which) noexcept {
-  if (world.is_valid()) fix_.world = WorldFix{world.T_world_camera, world.covariance, world.ambiguity, {}, {}};
+  if (world.is_valid()) fix_.world = WorldFix{world.T_world_camera, world.covariance, world.ambiguity, {}};
   for (std::size_t i = 0; i < sighted.size(); ++i) {
     const SightingVerdict& verdict = world.sightings[i];
     const std::optional<std::size_t> map_index = sighted[i].coded ? sighted[i].coded : verdict.landmark;
@@ -168,7 +168,9 @@ void RoomLocaliser::report_world(const WorldPose& world, std::span<const Sighted
     const bool is_used = world.is_valid() && verdict.use == SightingUse::kUsed;
     if (is_used) believe_world(landmark, *map_index, verdict.turn, world);
     if (is_used) (void)fix_.world->used.try_push_back(id);
-    if (world.is_valid() && verdict.use == SightingUse::kRejected) (void)fix_.world->rejected.try_push_back(id);
+    // Found so just now, or before: then it needs no place in the world to be named.
+    const bool is_found_moved = world.is_valid() || (sighted[i].coded && room_->world.moved().is_moved(*map_index));
+    if (is_found_moved && verdict.use == SightingUse::kRejected) (void)fix_.rejected.try_push_back(id);
     add_fix(landmark, *map_index, verdict, world);
   }
 }

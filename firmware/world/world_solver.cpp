@@ -29,6 +29,11 @@ int most_used(const HypothesisList& list) noexcept {
   return most;
 }
 
+/// Places that a track does not foretell are out of the question.
+bool is_known_by_track(const Scene& scene) noexcept {
+  return scene.prior() != nullptr && scene.prior()->ambiguity <= scene.options().max_ambiguity;
+}
+
 /// Settles all, and drops what is none.
 void settle_all(const Scene& scene, HypothesisList& list) noexcept {
   std::size_t kept = 0;
@@ -105,16 +110,35 @@ WorldPose WorldSolver::solve(std::span<const SightedLandmark> seen, const WorldP
 }
 
 bool WorldSolver::add_anonymous(const Scene& scene) noexcept {
-  const auto sighted = std::ranges::count_if(scene.by_sureness(), [&](std::size_t i) { return scene.is_anonymous(i); });
+  const auto count = [&](auto is) { return static_cast<int>(std::ranges::count_if(scene.by_sureness(), is)); };
+  const int sighted = count([&](std::size_t i) { return scene.is_anonymous(i); });
   if (sighted == 0) return true;
-  if (!hypotheses_.empty()) return take_in_anonymous(scene, hypotheses_);
-  if (map_.anonymous().size() == 1) return start_with_the_only_one(scene, hypotheses_);
-  if (scene.prior() != nullptr && start_near_prior(scene, hypotheses_) &&
-      2 * most_used(hypotheses_) > static_cast<int>(sighted))
-    return true;
+  bool is_complete = take_in_anonymous(scene, hypotheses_);
+  const int known = count([&](std::size_t i) { return scene.is_known(i); });
+  if (2 * most_used(hypotheses_) > known + sighted) return is_complete;
+  // Colours say which sheet it is, and not that it hangs where it did.
+  HypothesisList without_coded;
+  is_complete &= start_without_coded(scene, sighted, without_coded);
+  for (Hypothesis& hypothesis : without_coded) {
+    for (const std::size_t i : scene.by_sureness())
+      if (scene.is_known(i) && !uses(hypothesis, *scene.seen()[i].coded))
+        try_add(scene, i, coded_choice(scene, i), hypothesis);
+    const bool is_there = known > 0 && std::ranges::any_of(hypotheses_, [&](const Hypothesis& other) {
+                            return other.used >= hypothesis.used && is_same_place(other, hypothesis.T_world_camera);
+                          });
+    if (!is_there) is_complete &= hypotheses_.try_push_back(hypothesis);
+  }
+  // One that all others contradict may be the one that was moved: a black-and-white one alone has too many places to
+  // try them all.
+  return is_complete && (known == 0 || most_used(hypotheses_) > 1 || is_known_by_track(scene));
+}
+
+bool WorldSolver::start_without_coded(const Scene& scene, int sighted, HypothesisList& list) const noexcept {
+  if (map_.anonymous().size() == 1) return start_with_the_only_one(scene, list);
+  if (scene.prior() != nullptr && start_near_prior(scene, list) && 2 * most_used(list) > sighted) return true;
   // Without a track, or with one that does not explain what is seen: by the sheets' places among each other.
-  hypotheses_.clear();
-  return sighted >= 2 && start_with_pairs(scene, hypotheses_);
+  list.clear();
+  return start_with_pairs(scene, list);
 }
 
 void WorldSolver::start_from_coded(const Scene& scene) noexcept {

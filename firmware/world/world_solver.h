@@ -45,6 +45,7 @@ class WorldSolver {
  private:
   void start_from_coded(const Scene& scene) noexcept;
   bool add_anonymous(const Scene& scene) noexcept;
+  bool start_without_coded(const Scene& scene, int sighted, HypothesisList& list) const noexcept;
   WorldPose answer(const Scene& scene, bool is_complete) noexcept;
   void remember(const WorldPose& pose) noexcept;
 

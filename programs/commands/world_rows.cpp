@@ -1,6 +1,7 @@
 #include "programs/commands/world_rows.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <cmath>
@@ -58,10 +59,7 @@ std::string angle_columns(const BodyPose& pose, const std::optional<EulerConvent
 }
 
 std::string landmark_columns(const Fix& fix) {
-  if (!fix.world) return "0,";
-  std::string rejected;
-  for (const std::uint16_t id : fix.world->rejected) rejected += fmt::format("{}{}", rejected.empty() ? "" : " ", id);
-  return fmt::format("{},{}", fix.world->used.size(), rejected);
+  return fmt::format("{},{}", fix.world ? fix.world->used.size() : 0, fmt::join(fix.rejected, " "));
 }
 
 }  // namespace

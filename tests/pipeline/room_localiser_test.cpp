@@ -141,8 +141,8 @@ TEST(RoomLocaliser, NamesASheetThatWasMovedAndDoesWithoutIt) {
   const Fix& fix = unit.process(frame_of(picture, 1));
   ASSERT_TRUE(fix.world);
   EXPECT_EQ(fix.world->used.size(), 2U);
-  ASSERT_EQ(fix.world->rejected.size(), 1U);
-  EXPECT_EQ(fix.world->rejected[0], 2);
+  ASSERT_EQ(fix.rejected.size(), 1U);
+  EXPECT_EQ(fix.rejected[0], 2);
   EXPECT_LT(apart_m(fix.world->T_world_camera.translation_m, scene.camera), 0.02);
 }
 
@@ -193,6 +193,21 @@ Frame frame_of(const test::ColourPicture& picture, std::uint64_t number) {
 LandmarkMap map_of_codes() {
   return LandmarkMap({mapped({11, 0, 0}, "KRGBKKRB"), mapped({12, 3, 0}, "RRGKBGKB"), mapped({13, 6, 0}, "KKGRRBGB"),
                       mapped({14, 9, 0})});
+}
+
+/// It says where the camera would be, had nobody moved it.
+TEST(RoomLocaliser, NamesASheetThatWasMovedAlsoWhereItIsAloneInView) {
+  const auto map = LandmarkMap({mapped({11, -0.15, 0}, "KRGBKKRB"), mapped({12, 0.4, 0}), mapped({13, -0.6, 0})});
+  const test::ColourPicture all = coded_picture("KRGBKKRB", kFromAside, 3, {{12, 0.4, 0}, {13, -0.6, 0}});
+  const test::ColourPicture alone = coded_picture("KRGBKKRB", kFromAside, 4);
+  RoomLocaliser unit(CameraModel{}, {.row_time = 0ns, .map = map});
+  EXPECT_TRUE(unit.process(frame_of(all, 1)).world);
+  const Fix& fix = unit.process(frame_of(alone, 2));
+  EXPECT_FALSE(fix.world);
+  EXPECT_EQ(fix.reason, Reason::kMoved);
+  ASSERT_EQ(fix.rejected.size(), 1U);
+  EXPECT_EQ(fix.rejected[0], 11);
+  EXPECT_EQ(unit.process(frame_of(all, 3)).rejected.size(), 1U) << "and once in a frame";
 }
 
 /// The roll would have it numbered otherwise, were it black and white.

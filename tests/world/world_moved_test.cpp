@@ -100,6 +100,93 @@ TEST(WorldMoved, TwoThatContradictEachOtherAreNoAnswerUnlessTheTrackDecides) {
   EXPECT_GE(decided, kTrials * 95 / 100);
 }
 
+/// One is known by its colours, the others by where they are.
+Room mixed_room(Random& random, int black_and_white) {
+  Room room = test::random_room(random, {.landmarks = 1 + black_and_white, .farthest_m = 4});
+  for (std::size_t i = 1; i < room.map.size(); ++i) room.map[i].is_black_and_white = true;
+  return room;
+}
+
+std::vector<SightedLandmark> mixed_sightings(Random& random, const Room& room, std::size_t moved) {
+  auto seen = sightings_with_moved(random, room, moved);
+  for (std::size_t i = 1; i < room.map.size(); ++i) seen[i].coded.reset();
+  seen[0].others_odds = 1e-4;
+  return seen;
+}
+
+TEST(WorldMoved, ACodedSheetIsNotBelievedMoreThanBlackAndWhiteOnesThatAgree) {
+  Random random(21);
+  constexpr int kTrials = 1000;
+  int valid = 0, wrong = 0, named = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Room room = mixed_room(random, 2 + trial % 2);
+    const auto seen = mixed_sightings(random, room, 0);
+    const WorldPose pose = WorldSolver(room.map, {}).solve(seen);
+    valid += pose.is_valid() ? 1 : 0;
+    wrong += pose.is_valid() && test::nees(pose, room.T_world_camera) > 40 ? 1 : 0;
+    named += pose.is_valid() && pose.sightings[0].use == SightingUse::kRejected ? 1 : 0;
+  }
+  EXPECT_LE(wrong, kTrials / 500);
+  EXPECT_GE(named, valid * 99 / 100);
+  EXPECT_GE(valid, kTrials * 95 / 100);
+}
+
+TEST(WorldMoved, ABlackAndWhiteSheetThatContradictsACodedOneIsNoAnswerUnlessTheTrackDecides) {
+  Random random(22);
+  constexpr int kTrials = 500;
+  int open = 0, decided = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    Room room = mixed_room(random, 1);
+    const std::size_t moved = static_cast<std::size_t>(trial) % 2;
+    const auto seen = mixed_sightings(random, room, moved);
+    // Or one of two that look alike.
+    if (trial % 4 > 1) room.map.push_back(test::random_room(random, {.landmarks = 1, .coded = false}).map[0]);
+    open += WorldSolver(room.map, {}).solve(seen).verdict == WorldVerdict::kAmbiguous ? 1 : 0;
+    const WorldPrior prior = prior_at(room.T_world_camera);
+    const WorldPose pose = WorldSolver(room.map, {}).solve(seen, &prior);
+    decided += pose.is_valid() && test::nees(pose, room.T_world_camera) < 40 ? 1 : 0;
+  }
+  EXPECT_EQ(open, kTrials);
+  EXPECT_GE(decided, kTrials * 95 / 100);
+}
+
+/// Whatever is moved of coded and black-and-white ones together, with four more of the latter elsewhere.
+TEST(WorldMoved, NothingThatWasMovedMakesAnAnswerWrong) {
+  Random random(23);
+  constexpr int kTrials = 60;
+  for (std::size_t coded = 1; coded < 4; ++coded)
+    for (std::size_t others = 1; others < 4; ++others)
+      for (std::size_t moved = 0; moved < 3; ++moved) {
+        int valid = 0, wrong = 0;
+        for (std::size_t trial = 0; trial < kTrials; ++trial) {
+          Room room = test::random_room(random, {.landmarks = static_cast<int>(coded + others), .farthest_m = 4});
+          auto seen = test::sightings_of(random, room);
+          for (std::size_t m = 0; m < moved; ++m) {
+            const std::size_t i = (trial + m) % seen.size();
+            seen[i] = test::sighting_of(random, room.T_world_camera, test::moved_sheet(room.map[i].T_world_landmark));
+            seen[i].coded = i;
+          }
+          for (std::size_t i = 0; i < seen.size(); ++i) {
+            seen[i].others_odds = 1e-4;
+            if (i < coded) continue;
+            seen[i].coded.reset();
+            room.map[i].is_black_and_white = true;
+          }
+          for (int elsewhere = 0; elsewhere < 4; ++elsewhere)
+            room.map.push_back(test::random_room(random, {.landmarks = 1, .coded = false}).map[0]);
+          const WorldPrior prior = prior_at(room.T_world_camera);
+          const WorldPose pose = WorldSolver(room.map, {}).solve(seen, trial % 2 == 0 ? &prior : nullptr);
+          valid += pose.is_valid() ? 1 : 0;
+          wrong += pose.is_valid() && test::nees(pose, room.T_world_camera) > 40 ? 1 : 0;
+        }
+        SCOPED_TRACE(::testing::Message() << coded << " coded, " << others << " others, " << moved << " moved");
+        EXPECT_LE(wrong, 1);
+        if (coded + others > 2 * moved) {
+          EXPECT_GE(valid, kTrials - 2);
+        }
+      }
+}
+
 TEST(WorldMoved, OneThatContradictsTheTrackIsNoAnswer) {
   Random random(14);
   const Room room = test::random_room(random, {.landmarks = 1, .farthest_m = 2});
