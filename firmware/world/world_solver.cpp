@@ -119,10 +119,8 @@ bool WorldSolver::add_anonymous(const Scene& scene) noexcept {
   // Colours say which sheet it is, and not that it hangs where it did.
   HypothesisList without_coded;
   is_complete &= start_without_coded(scene, sighted, without_coded);
-  for (Hypothesis& hypothesis : without_coded) {
-    for (const std::size_t i : scene.by_sureness())
-      if (scene.is_known(i) && !uses(hypothesis, *scene.seen()[i].coded))
-        try_add(scene, i, coded_choice(scene, i), hypothesis);
+  for (const Hypothesis& hypothesis : without_coded) {
+    // Those that a coded one agrees with have come from that one.
     const bool is_there = known > 0 && std::ranges::any_of(hypotheses_, [&](const Hypothesis& other) {
                             return other.used >= hypothesis.used && is_same_place(other, hypothesis.T_world_camera);
                           });
