@@ -38,14 +38,10 @@ std::vector<fs::path> kept_in(const fs::path& folder) {
 /// Of the first second from now on that has none: who starts anew at once must not be told to wait.
 fs::path new_folder(const fs::path& parent, std::error_code& error) {
   fs::create_directories(parent, error);
-  fs::path folder;
-  bool is_made = false;
-  for (auto begun = std::chrono::system_clock::now(); !is_made; begun += 1s) {
-    folder = parent / time_name(begun);
-    is_made = fs::create_directory(folder, error);
-    if (error) break;
+  for (auto begun = std::chrono::system_clock::now();; begun += 1s) {
+    const fs::path folder = parent / time_name(begun);
+    if (fs::create_directory(folder, error) || error) return folder;
   }
-  return folder;
 }
 
 std::string_view state_of(std::string_view line) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/units.h"
+#include "pipeline/next_report.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/colour_renderer.h"
 #include "tests/support/renderer.h"
@@ -207,6 +208,10 @@ TEST(RoomLocaliser, NamesASheetThatWasMovedAlsoWhereItIsAloneInView) {
   EXPECT_EQ(fix.reason, Reason::kMoved);
   ASSERT_EQ(fix.rejected.size(), 1U);
   EXPECT_EQ(fix.rejected[0], 11);
+  const Report report = next_report({}, frame_of(alone, 2), fix, {});
+  EXPECT_FALSE(report.valid);
+  EXPECT_EQ(report.landmarks_rejected, 1);
+  EXPECT_EQ(report.last_rejected_id, 11);
   EXPECT_EQ(unit.process(frame_of(all, 3)).rejected.size(), 1U) << "and once in a frame";
 }
 

@@ -172,6 +172,11 @@ TEST_F(CalibrationDeskTest, SaysWhyNothingCameOfIt) {
   const DeskReply reply = DeskAndJob(options(""), (folder_ / "none").string(), request_).reply_to("start camera");
   EXPECT_EQ(reply.status, 500U);
   expect_part(reply.text, "can't be started");
+  fs::remove_all(folder_ / "made");
+  std::ofstream(folder_ / "made") << "no folder";
+  const DeskReply nowhere = DeskAndJob(options(""), program(), request_).reply_to("start camera");
+  EXPECT_EQ(nowhere.status, 409U);
+  expect_part(nowhere.text, "can't be made: Not a directory");
 }
 
 TEST_F(CalibrationDeskTest, IsNotImpressedByWhatIsNoLineOfNews) {

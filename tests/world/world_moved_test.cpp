@@ -10,11 +10,18 @@ using test::kDeg;
 using test::Random;
 using test::Room;
 
+/// As the camera sees the sheet once it was moved.
+SightedLandmark moved_sighting(Random& random, const Room& room, std::size_t moved) {
+  SightedLandmark seen =
+      test::sighting_of(random, room.T_world_camera, test::moved_sheet(room.map[moved].T_world_landmark));
+  seen.coded = moved;
+  return seen;
+}
+
 /// What the camera sees of a room in which one sheet was moved since it was mapped.
 std::vector<SightedLandmark> sightings_with_moved(Random& random, const Room& room, std::size_t moved) {
   auto seen = test::sightings_of(random, room);
-  seen[moved] = test::sighting_of(random, room.T_world_camera, test::moved_sheet(room.map[moved].T_world_landmark));
-  seen[moved].coded = moved;
+  seen[moved] = moved_sighting(random, room, moved);
   return seen;
 }
 
@@ -163,8 +170,7 @@ TEST(WorldMoved, NothingThatWasMovedMakesAnAnswerWrong) {
           auto seen = test::sightings_of(random, room);
           for (std::size_t m = 0; m < moved; ++m) {
             const std::size_t i = (trial + m) % seen.size();
-            seen[i] = test::sighting_of(random, room.T_world_camera, test::moved_sheet(room.map[i].T_world_landmark));
-            seen[i].coded = i;
+            seen[i] = moved_sighting(random, room, i);
           }
           for (std::size_t i = 0; i < seen.size(); ++i) {
             seen[i].others_odds = 1e-4;
