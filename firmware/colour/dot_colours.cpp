@@ -10,6 +10,7 @@
 #include "colour/disc_picture.h"
 #include "colour/ink_fit.h"
 #include "colour/ink_samples.h"
+#include "colour/sheet_fit.h"
 
 namespace ninedot {
 namespace {
@@ -22,18 +23,19 @@ using RingFits = std::array<InkFit, kRingDotCount>;
 constexpr float kMostBlocks = 48;         // of a disc: 30 samples, which make noise small beside what inks vary
 constexpr float kMostBlocksWatched = 20;  // the least that tells ink from paper beside it, where the code is known
 constexpr float kPaper_px = 3, kPaper_radii = 0.5F;
-constexpr float kFarthestOfRing_radii = 2.4F;    // P9's outline is 4.3 radii from a ring dot's middle
+constexpr float kFarthestOfRing_radii = 2.4F;  // P9's outline is 4.3 radii from a ring dot's middle
+// Semi-minor axis below which dots have too little paper of their own: identified of 300 rendered views in even light,
+// and of 300 with one dot hidden, one by one and together: 160 and 247, 99 and 210 at 2.7 px; 282 and 297, 231 and 251
+// at 3.0 px; at 3.5 px 300 of both, and with a shadow's edge 298 and 259.
+constexpr float kTogetherBelow_px = 1.4F;
 constexpr float kFarthestOfCentre_radii = 1.8F;  // the ring's dots begin 2.65 radii of P9 from its middle
 
-InkSums sum_disc(const ImageView& luma, const ChromaView& chroma, const CameraFromLandmark& T,
-                 const CameraModel& camera, const LandmarkGeometry& landmark, std::size_t dot,
-                 float most_blocks) noexcept {
-  const double radius_m = landmark.radius_m(dot);
-  const Eigen::Vector2d centre_m = landmark.centre_m(dot);
-  const DiscPicture disc = disc_in_picture(T, camera, centre_m, radius_m);
+InkSums sum_disc(const ImageView& luma, const ChromaView& chroma, const DiscPicture& disc,
+                 const LandmarkGeometry& landmark, std::size_t dot, float most_blocks) noexcept {
   if (disc.semi_minor_px <= 0) return {};
+  const double radius_m = landmark.radius_m(dot);
   PaperAround paper;
-  paper.disc_radii = (centre_m / radius_m).cast<float>();
+  paper.disc_radii = (landmark.centre_m(dot) / radius_m).cast<float>();
   paper.sheet_radii = static_cast<float>(landmark.paper_radius_m() / radius_m);
   paper.reach_radii = std::min(1 + std::max(kPaper_px / disc.semi_minor_px, kPaper_radii),
                                dot == kCentreDot ? kFarthestOfCentre_radii : kFarthestOfRing_radii);
@@ -115,6 +117,43 @@ float luma_variance(const InkFit& fit, const PictureNoise& noise) noexcept {
   return sigma * sigma / (grey * grey);
 }
 
+/// What a sheet is printed with, and how noisy colour is there.
+struct SheetInks {
+  RingFits ring;
+  InkFit centre;
+  Eigen::Matrix3f quiet = Eigen::Matrix3f::Identity();
+};
+
+SheetInks inks_together(const ImageView& luma, const ChromaView& chroma,
+                        const std::array<DiscPicture, kDotCount>& discs, const LandmarkGeometry& landmark) noexcept {
+  const std::array<InkFit, kDotCount> fits = fit_sheet(luma, chroma, discs, landmark);
+  SheetInks inks;
+  std::copy_n(fits.begin(), kRingDotCount, inks.ring.begin());
+  inks.centre = fits[kCentreDot];
+  inks.quiet = quiet_covariance(inks.ring);
+  return inks;
+}
+
+/// \param places  bit k: look at place k
+SheetInks inks_one_by_one(const ImageView& luma, const ChromaView& chroma,
+                          const std::array<DiscPicture, kDotCount>& discs, const LandmarkGeometry& landmark,
+                          std::uint8_t places, float most_blocks) noexcept {
+  const auto sums_of = [&](std::size_t dot) { return sum_disc(luma, chroma, discs[dot], landmark, dot, most_blocks); };
+  SheetInks inks;
+  std::array<InkSums, kRingDotCount> sums;
+  for (std::size_t place = 0; place < kRingDotCount; ++place) {
+    if (((places >> place) & 1U) == 0) continue;
+    sums[place] = sums_of(place);
+    inks.ring[place] = fit_ink(sums[place]);
+  }
+  inks.quiet = quiet_covariance(inks.ring);
+  const PaperPrior paper = common_paper(inks.ring, inks.quiet);
+  for (std::size_t place = 0; place < kRingDotCount; ++place)
+    if (inks.ring[place].usable) inks.ring[place] = fit_ink(sums[place], paper);
+  inks.centre = fit_ink(sums_of(kCentreDot));
+  return inks;
+}
+
 // No single dot may outvote all others, whatever the model says: 1 to 10,000.
 constexpr float kLeastLikelihood = 1e-4F;
 
@@ -151,26 +190,18 @@ DotColours ColourReader::read_places(const ImageView& luma, const ChromaView& ch
                                      std::uint8_t places, float most_blocks) const noexcept {
   DotColours colours;
   if (luma.empty() || chroma.empty()) return colours;
-  const auto sums_of = [&](std::size_t dot) {
-    return sum_disc(luma, chroma, T_camera_landmark, camera_, landmark_, dot, most_blocks);
-  };
-  std::array<InkSums, kRingDotCount> sums;
-  RingFits fits;
-  for (std::size_t place = 0; place < fits.size(); ++place) {
-    if (((places >> place) & 1U) == 0) continue;
-    sums[place] = sums_of(place);
-    fits[place] = fit_ink(sums[place]);
-  }
-  const Eigen::Matrix3f quiet = quiet_covariance(fits);
-  const PaperPrior paper = common_paper(fits, quiet);
-  for (std::size_t place = 0; place < fits.size(); ++place)
-    if (fits[place].usable) fits[place] = fit_ink(sums[place], paper);
-  const Eigen::Vector3f black = black_drop(fit_ink(sums_of(kCentreDot)));
-  const float gain = ring_gain(fits, black);
+  std::array<DiscPicture, kDotCount> discs;
+  for (std::size_t dot = 0; dot < kDotCount; ++dot)
+    discs[dot] = disc_in_picture(T_camera_landmark, camera_, landmark_.centre_m(dot), landmark_.radius_m(dot));
+  const SheetInks inks = discs[0].semi_minor_px < kTogetherBelow_px
+                             ? inks_together(luma, chroma, discs, landmark_)
+                             : inks_one_by_one(luma, chroma, discs, landmark_, places, most_blocks);
+  const Eigen::Vector3f black = black_drop(inks.centre);
+  const float gain = ring_gain(inks.ring, black);
   if (gain <= 0) return colours;
-  for (std::size_t place = 0; place < fits.size(); ++place) {
-    if (!fits[place].usable) continue;
-    const InkLikelihoods likelihoods = ink_likelihoods(ink_of(fits[place], black, gain, quiet, noise));
+  for (std::size_t place = 0; place < kRingDotCount; ++place) {
+    if (!inks.ring[place].usable) continue;
+    const InkLikelihoods likelihoods = ink_likelihoods(ink_of(inks.ring[place], black, gain, inks.quiet, noise));
     const float most = *std::ranges::max_element(likelihoods.letters);
     if (!(most > 0)) continue;
     const auto log_of = [&](float likelihood) { return std::log(std::max(likelihood / most, kLeastLikelihood)); };

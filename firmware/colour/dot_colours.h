@@ -38,7 +38,8 @@ class ColourReader {
                   const PictureNoise& noise) const noexcept;
 
   /// Two opposite places, others with every frame, from fewer samples, for a sixth of the cost: what a landmark takes
-  /// whose code is known and only to be watched (CodeReader::evidence_against). Of the others nothing is known.
+  /// whose code is known and only to be watched (CodeReader::evidence_against). Of the others nothing is known. Dots of
+  /// less than 2.8 px are read together or not at all: of them all eight.
   /// \param frame_number  any that goes up by one
   DotColours watch(const ImageView& luma, const ChromaView& chroma, const CameraFromLandmark& T_camera_landmark,
                    const PictureNoise& noise, std::uint64_t frame_number) const noexcept;

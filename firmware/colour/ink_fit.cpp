@@ -3,8 +3,7 @@
 namespace ninedot {
 namespace {
 
-constexpr float kLeastSamples = 4;      // two are fitted
-constexpr float kLeastPaper = 0.0025F;  // (13 / 255)^2: darker than that colour is noise
+constexpr float kLeastSamples = 4;  // two are fitted
 // Of sum (cover - its mean)^2: half of one block. A dot of 1.6 px in front has it.
 constexpr float kLeastSpread = 0.1F;
 

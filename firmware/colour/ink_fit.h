@@ -6,6 +6,9 @@
 
 namespace ninedot {
 
+/// Light of paper that is darker than (13 / 255)^2 has a colour that is noise. [1]
+inline constexpr float kLeastPaper = 0.0025F;
+
 /// Least squares of light = paper + cover (ink - paper), for red, green and blue.
 struct InkFit {
   bool usable = false;             ///< enough samples, of ink and of paper

@@ -17,6 +17,8 @@ namespace {
 constexpr int kLeastFreedom = 4;
 /// Pixels' worth of paper and of ink, below which one of them is not in sight.
 constexpr double kLeastPaper_px2 = 0.5, kLeastInk_px2 = 0.3;
+/// A whole dot of 2.2 px has 0.6 through a blur of a pixel, and a half of that while blur and offset are on their way.
+constexpr double kLeastWholeInk_px2 = 0.1;
 /// What the pixels say nothing of stays zero: a thousandth of a pixel that says so.
 constexpr double kRidge_px2 = 1e-3;
 /// Prior of the pattern: 1-sigma of what an interpolation by neighbours leaves in luma, in any ink (0.05 to 0.1).
@@ -284,7 +286,9 @@ void GroupFitter::fit(const OutlineGroup& group, GroupFit& fit, std::size_t ever
     add_squares(filled, batches, kPattern, sums);
     add_mixed(filled, batches, asked, kPattern, sums);
   }
-  if (sums[kPaperColumn][kPaperColumn] < kLeastPaper_px2 || sums[kInkColumn][kInkColumn] < kLeastInk_px2) return;
+  if (sums[kPaperColumn][kPaperColumn] < kLeastPaper_px2 ||
+      sums[kInkColumn][kInkColumn] < (group.whole_dot ? kLeastWholeInk_px2 : kLeastInk_px2))
+    return;
 
   OwnLight light;
   const bool is_determined = with_pattern ? eliminate_own<true>(sums, first, end, light, fit)

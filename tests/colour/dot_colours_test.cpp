@@ -9,6 +9,8 @@
 #include <array>
 #include <numbers>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "colour/code_reader.h"
 #include "tests/support/allocation_counter.h"
@@ -161,6 +163,21 @@ TEST(DotColours, IdentifiesLandmarksOfInksThatItWasNotMadeFor) {
   }
 }
 
+/// Where the dots fall on the sensor's pattern, which is the same in the middle of every picture.
+void put_anywhere(ColourScene& scene, test::Random& random) {
+  scene.scene.lens.cx_px += random.uniform(-1, 1);
+  scene.scene.lens.cy_px += random.uniform(-1, 1);
+}
+
+/// One by one, 0 and 45 of 100: there is a block or two of paper around each, and none on the side of the wall.
+TEST(DotColours, IdentifiesLandmarksOfDotsTooSmallForPaperOfTheirOwn) {
+  for (const auto& [dot_px, least] : {std::pair{2.4, 40}, {2.7, 75}}) {
+    const Score score = score_of(dot_px, 100, 8, put_anywhere);
+    EXPECT_GE(score.identified, least) << dot_px;
+    EXPECT_EQ(score.wrong, 0) << dot_px;
+  }
+}
+
 TEST(DotColours, IdentifiesLandmarksInLightFrom2700To9000Kelvin) {
   const Score score = score_of(5, 30, 2, [](ColourScene& scene, test::Random& random) {
     light_by(1 / random.uniform(1 / 9000.0, 1 / 2700.0), scene);
@@ -235,6 +252,18 @@ TEST(DotColours, WatchesAKnownLandmarkInFourFrames) {
   }
 }
 
+TEST(DotColours, WatchesAllOfSmallDotsAtOnce) {
+  const std::vector<MappedLandmark> landmarks = known_landmarks();
+  const CodeReader codes(landmarks);
+  const ColourScene scene = scene_of(landmarks[2].code, 2.6);
+  const ColourPicture picture = test::render_colour(scene, ChromaLayout::k420, 1);
+  const DotColours colours =
+      ColourReader(camera_of(scene), LandmarkGeometry{})
+          .watch(picture.luma.view(), picture.chroma(), pose_of(scene.scene), PictureNoise(picture.luma.view()), 3);
+  EXPECT_LT(codes.evidence_against(2, 0, colours), 0.1);
+  EXPECT_GT(codes.evidence_against(3, 0, colours), 1e3);
+}
+
 TEST(DotColours, KnowsNothingOfAGreyPicture) {
   const ColourScene scene = scene_of("KRGBKKRB", 8);
   ColourPicture picture = test::render_colour(scene, ChromaLayout::k420, 1);
@@ -260,13 +289,16 @@ TEST(DotColours, KnowsNothingOfALandmarkOutsideOfThePicture) {
 }
 
 TEST(DotColours, ReadsWithoutTheHeap) {
-  const ColourScene scene = scene_of("KRGBKKRB", 8);
-  const ColourPicture picture = test::render_colour(scene, ChromaLayout::k420, 1);
-  const PictureNoise noise(picture.luma.view());
-  const ColourReader reader(CameraModel{}, LandmarkGeometry{});
-  const test::AllocationGuard guard;
-  reader.read(picture.luma.view(), picture.chroma(), pose_of(scene.scene), noise);
-  EXPECT_EQ(guard.allocations(), 0U);
+  for (const double dot_px : {2.5, 8.0}) {
+    const ColourScene scene = scene_of("KRGBKKRB", dot_px);
+    const ColourPicture picture = test::render_colour(scene, ChromaLayout::k420, 1);
+    const PictureNoise noise(picture.luma.view());
+    const ColourReader reader(camera_of(scene), LandmarkGeometry{});
+    const test::AllocationGuard guard;
+    const DotColours colours = reader.read(picture.luma.view(), picture.chroma(), pose_of(scene.scene), noise);
+    EXPECT_EQ(guard.allocations(), 0U) << dot_px;
+    EXPECT_TRUE(colours.has_colour) << dot_px;
+  }
 }
 
 }  // namespace

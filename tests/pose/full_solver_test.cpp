@@ -296,6 +296,33 @@ TEST(FullSolver, AnswersWithATiltThatItDoesNotKnowToWhoHasOtherLandmarks) {
   EXPECT_GT(answered, 0) << "or these pictures test nothing";
 }
 
+/// Dots of 2.2 to 2.4 px through a blur of a pixel: while blur and offset settle a dot may look like a quarter of a
+/// pixel of ink, and is in sight all the same (else 49 of 60).
+TEST(FullSolver, FindsThePoseOfDistantDots) {
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  FullSolver solver(CameraModel{}, LandmarkGeometry{}, {.most_sigma = 1, .pattern_px = 0.1});
+  int seen_count = 0, solved = 0, right = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const double distance_m = CameraModel{}.fx_px * 0.0254 / (2.2 + 0.2 * static_cast<double>(seed) / 60);
+    test::Scene scene =
+        scene_at({.distance_m = distance_m, .tilt_rad = 0.2, .azimuth_rad = static_cast<double>(seed)}, 3);
+    scene.sensor.point_spread_px = 1.0;
+    const test::Picture picture = test::render(scene, seed);
+    WorkBudget budget;
+    const auto seen = detector.find_all_landmarks(picture.view(), budget);
+    if (!seen) continue;
+    ++seen_count;
+    int pixels = WorkBudget{}.pixels;
+    const auto answer = solver.solve(picture.view(), seen->front(), nullptr, pixels);
+    if (!answer) continue;
+    ++solved;
+    right += std::abs(answer->list[0].pose.T_landmark_camera.inverse().translation_m.z() / distance_m - 1) < 0.03;
+  }
+  EXPECT_GE(seen_count, 55) << "or these pictures test nothing";
+  EXPECT_GE(solved, seen_count - 1);
+  EXPECT_EQ(right, solved);
+}
+
 TEST(FullSolver, ReportsTheFoundingPapersQuantities) {
   const auto pose = pose_of(test::render(scene_at({.distance_m = 1.3, .tilt_rad = 35 * kDegree}), 5));
   ASSERT_TRUE(pose.has_value());
