@@ -161,6 +161,7 @@ Result<std::size_t> LandmarkSeeker::solve(const Frame& frame, const LandmarkObse
     return fail(Errc::kNoLandmark, "the picture does not fit a landmark");
   }
   row_motion_ = motion;
+  fits_black_and_white_ = fits_picture(*examined, noise_, {allowance(is_foretold).misfit_px, false});
   track.see(seen);
   return track.take(candidates_, frame.exposed_at());
 }

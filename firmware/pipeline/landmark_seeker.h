@@ -63,6 +63,9 @@ class LandmarkSeeker {
   const PoseCandidates& candidates() const noexcept { return candidates_; }
   /// Likewise: how its sheet moved across the rows, as the fit took it. Its track knows better afterwards.
   const RowMotion& row_motion() const noexcept { return row_motion_; }
+  /// Likewise: its dots fit the picture without what is allowed to coloured ones. Not asked of outlines that were
+  /// followed.
+  bool fits_black_and_white() const noexcept { return fits_black_and_white_; }
   /// What the search of the whole picture saw, where nothing came of it: the misfit before what did not get so far.
   FailedSearch failed_search() const noexcept;
   /// The first since `begin` that looked like a landmark and does not fit the picture.
@@ -95,6 +98,7 @@ class LandmarkSeeker {
   WorkBudget budget_;
   PoseCandidates candidates_;
   RowMotion row_motion_;
+  bool fits_black_and_white_ = false;
   std::optional<PoseCandidates> misfit_;
   double look_alike_px_ = 0;  ///< radius of a dot of the largest thing that has a whole ring and is no landmark
 };

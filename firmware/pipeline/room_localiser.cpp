@@ -129,6 +129,7 @@ void RoomLocaliser::take_found(InView& landmark, std::size_t chosen) const noexc
   landmark.candidates = lens_->seeker.candidates();
   landmark.row_motion = lens_->seeker.row_motion();
   landmark.chosen = chosen;
+  if (!landmark.is_followed) landmark.fits_black_and_white = lens_->seeker.fits_black_and_white();
 }
 
 /// Those that were in view in the frame before.
@@ -273,12 +274,12 @@ bool RoomLocaliser::go_on_elsewhere(const Frame& frame, const LandmarkObservatio
   InView landmark = *nearest;
   const auto chosen = lens_->seeker.solve_guess(frame, seen, landmark.track);
   if (!chosen) return false;
+  landmark.is_followed = false;
   take_found(landmark, *chosen);
   const double before_m = nearest->track.prior()->T_camera_landmark.translation_m.norm();
   const double now_m = landmark.candidates.list[*chosen].pose.T_landmark_camera.translation_m.norm();
   if (std::abs(now_m - before_m) > kSameDistance * before_m) return false;
   landmark.is_fresh = false;
-  landmark.is_followed = false;
   (void)in_view_.try_push_back(landmark);
   *nearest = lost_[lost_.size() - 1];
   lost_.pop_back();
@@ -310,6 +311,8 @@ void RoomLocaliser::identify(const Frame& frame) noexcept {
         landmark.identity = room_->codes.confirm(*landmark.expected, landmark.colours, options_.trust.max_ambiguity);
         if (landmark.identity) landmark.track.know_numbering();  // as the map foretold it
       }
+      // Only colours may look as no black dots do: a loudspeaker is no landmark because all of its holes are black.
+      if (landmark.identity && !landmark.identity->coded && !landmark.fits_black_and_white) continue;
     } else if (landmark.identity->coded && !landmark.is_fresh) {
       if (!room_->codes.is_still(*landmark.identity->coded, lens_->colours, frame, T_shown, lens_->seeker.noise(),
                                  landmark.doubt))

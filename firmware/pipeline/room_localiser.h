@@ -30,9 +30,10 @@ class RoomLocaliser final : public FrameProcessor {
     std::optional<Identity> identity;
     std::optional<std::size_t> expected;  ///< who should be there, by the map and the camera's track [1]
     ShownColours colours;
-    double doubt = 0;          ///< of its identity, since it is known: see CodeIdentity::is_still [1]
-    bool is_fresh = true;      ///< it came into view in this frame
-    bool is_followed = false;  ///< its outlines were where its track foretold them: it is the same sheet
+    double doubt = 0;                   ///< of its identity, since it is known: see CodeIdentity::is_still [1]
+    bool is_fresh = true;               ///< it came into view in this frame
+    bool fits_black_and_white = false;  ///< when it was last detected: see LandmarkSeeker
+    bool is_followed = false;           ///< its outlines were where its track foretold them: it is the same sheet
 
     /// It may be another sheet than it was taken for.
     void forget_identity() noexcept {

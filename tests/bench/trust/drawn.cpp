@@ -42,6 +42,18 @@ class Drawn {
     }
   }
 
+  /// Of each a quarter of the pictures, and others than those above.
+  void add_near_misses_in_rooms() {
+    const std::string name = "near misses, in a room";
+    if (!add_kind("Near misses", name)) return;
+    for (const NearMiss& miss : near_misses())
+      for (int i = 0; i < (frames_ + 3) / 4; ++i)
+        result_.jobs.emplace_back([miss, name, i, seed = seed_](const Taker& take) {
+          const Shot shot = draw_near_miss(miss, strip_seed(seed, name + miss.name, i));
+          take({name, fmt::format("{}, {}", miss.name, strip_name(seed, i)), seen_three_times(shot), true});
+        });
+  }
+
   void add_views() {
     for (const ViewKind& kind : view_kinds())
       for (const Mode& mode : kModes) {
@@ -98,6 +110,7 @@ class Drawn {
 DrawnJobs drawn_jobs(const std::function<bool(const Kind&)>& is_wanted, int frames, std::uint64_t seed) {
   Drawn drawn(is_wanted, frames, seed);
   drawn.add_near_misses();
+  drawn.add_near_misses_in_rooms();
   drawn.add_views();
   drawn.add_effects();
   return drawn.take();

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <memory>
 
-#include "pipeline/localiser.h"
+#include "pipeline/room_localiser.h"
 #include "tests/support/process_picture.h"
 #include "tests/support/renderer_optics.h"
 
@@ -25,6 +26,14 @@ double processor_ms() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+std::unique_ptr<FrameProcessor> processor_for(const Strip& strip) {
+  const CameraModel camera = camera_of(trust_lens());
+  if (!strip.in_room) return std::make_unique<Localiser>(camera, LocaliserOptions{});
+  LocaliserOptions options;  // its map is the one sheet
+  options.row_time = std::chrono::nanoseconds(0);
+  return std::make_unique<RoomLocaliser>(camera, options);
 }
 
 }  // namespace
@@ -54,13 +63,13 @@ void compare(const ClaimedPose& claimed, const Shot& shot, Verdict& verdict) {
 }
 
 std::vector<Verdict> judge(const Strip& strip) {
-  Localiser localiser(camera_of(trust_lens()), {});
+  const std::unique_ptr<FrameProcessor> processor = processor_for(strip);
   Report report;
   std::vector<Verdict> verdicts;
   for (std::size_t i = 0; i < strip.shots.size(); ++i) {
     const Shot& shot = strip.shots[i];
     const double begin_ms = processor_ms();
-    test::process_picture(localiser, shot.picture.view(), MonoTime(std::chrono::seconds(1) + shot.at), i, report);
+    test::process_picture(*processor, shot.picture.view(), MonoTime(std::chrono::seconds(1) + shot.at), i, report);
     Verdict verdict;
     verdict.work_ms = processor_ms() - begin_ms;
     verdict.shown = shot.truth.has_value();

@@ -26,7 +26,9 @@ inline constexpr double kSigmas = 6;
 /// position, and the turn that moves the sheet as far, 0.01 rad, for the rotation.
 inline constexpr double kWrong = 0.01;
 
-/// One verdict per shot. Threads: independent of each other.
+/// One verdict per shot, by `Localiser` with its defaults. Of a strip in a room by `RoomLocaliser`, with a map of one
+/// black-and-white sheet among coded ones: whatever looks like a landmark must be that one, and says where the camera
+/// is. Threads: independent of each other.
 std::vector<Verdict> judge(const Strip& strip);
 
 /// Holds one pose against the truth: fills all of the verdict from `wrong` on but the work.

@@ -35,6 +35,15 @@ TEST_P(LookAlikes, AreNoValidPose) {
     EXPECT_FALSE(verdict_on(picture_of(GetParam().kind, seed)).valid) << GetParam().kind << ", seed " << seed;
 }
 
+/// With a map more is taken for a landmark, for colours and the world have their say as well.
+TEST_P(LookAlikes, AreNoPlaceInARoom) {
+  for (const std::uint64_t seed : GetParam().seeds) {
+    const test::Picture picture = picture_of(GetParam().kind, seed);
+    for (const Verdict& verdict : judge({"", "", seen_three_times({picture, std::nullopt, 0, {}}), true}))
+      EXPECT_FALSE(verdict.valid) << GetParam().kind << ", seed " << seed;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Trust, LookAlikes,
     testing::Values(

@@ -20,6 +20,8 @@ struct Scale {
   int most_windows;
 };
 constexpr std::array<Scale, 3> kScales{{{"full", 1, 44}, {"half", 2, 12}, {"quarter", 4, 4}}};
+constexpr const Scale& kInRoom = kScales[1];  // whose windows are looked at in a room as well
+constexpr const char* kInRoomName = "photographs, half scale, in a room";
 constexpr double kFlat_lsb = 4;        // standard deviation of the grey levels, below: there is nothing to see
 constexpr int kSmallestSide_px = 120;  // of a picture in a window: less is an icon
 constexpr std::uint8_t kWhite = 255;
@@ -94,6 +96,7 @@ void cut(const test::Picture& picture, const Scale& scale, const std::string& na
       Strip strip{fmt::format("photographs, {} scale", scale.name),
                   fmt::format("{}@{}x{}+{}+{}", name, picture.width_px, picture.height_px, left, top),
                   {}};
+      if (&scale == &kInRoom) take({kInRoomName, strip.name, seen_three_times(shot), true});
       strip.shots.push_back(std::move(shot));
       take(std::move(strip));
     }
@@ -124,6 +127,7 @@ Half half_of(std::string_view file_name) {
 std::vector<Kind> photograph_kinds() {
   std::vector<Kind> kinds;
   for (const Scale& scale : kScales) kinds.push_back({"Photographs", fmt::format("photographs, {} scale", scale.name)});
+  kinds.push_back({"Photographs", kInRoomName});
   return kinds;
 }
 

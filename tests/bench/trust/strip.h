@@ -22,7 +22,15 @@ struct Strip {
   std::string kind;  ///< row of the table
   std::string name;  ///< tells it from all others of its kind; goes into file names
   std::vector<Shot> shots;
+  bool in_room = false;  ///< through the path of a room: see judge
 };
+
+/// The same picture as often as a room's path needs to follow what it saw in the first one, and to be sure of it.
+inline std::vector<Shot> seen_three_times(const Shot& shot) {
+  std::vector<Shot> shots(3, shot);
+  for (std::size_t i = 0; i < shots.size(); ++i) shots[i].at = static_cast<int>(i) * std::chrono::milliseconds(28);
+  return shots;
+}
 
 /// One row of the table.
 struct Kind {
