@@ -48,8 +48,8 @@ class Blocks {
 
   /// Those of the picture that are no farther from a place than this in x and in y. \param middle, half  [blocks]
   BlockRange around(const Eigen::Vector2f& middle, const Eigen::Vector2f& half) const noexcept {
-    const auto across = static_cast<float>(luma_.width_px / width_px_);
-    const auto down = static_cast<float>(luma_.height_px / height_px_);
+    const int columns = luma_.width_px / width_px_, rows = luma_.height_px / height_px_;  // whole ones
+    const auto across = static_cast<float>(columns), down = static_cast<float>(rows);
     // Comparisons that hold for numbers only, before anything is turned into whole ones.
     if (!(middle.x() + half.x() > 0 && middle.x() - half.x() < across && middle.y() + half.y() > 0 &&
           middle.y() - half.y() < down))

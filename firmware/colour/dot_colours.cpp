@@ -23,12 +23,12 @@ using RingFits = std::array<InkFit, kRingDotCount>;
 constexpr float kMostBlocks = 48;         // of a disc: 30 samples, which make noise small beside what inks vary
 constexpr float kMostBlocksWatched = 20;  // the least that tells ink from paper beside it, where the code is known
 constexpr float kPaper_px = 3, kPaper_radii = 0.5F;
-constexpr float kFarthestOfRing_radii = 2.4F;  // P9's outline is 4.3 radii from a ring dot's middle
+constexpr float kFarthestOfRing_radii = 2.4F;    // P9's outline is 4.3 radii from a ring dot's middle
+constexpr float kFarthestOfCentre_radii = 1.8F;  // the ring's dots begin 2.65 radii of P9 from its middle
 // Semi-minor axis below which dots have too little paper of their own: identified of 300 rendered views in even light,
 // and of 300 with one dot hidden, one by one and together: 160 and 247, 99 and 210 at 2.7 px; 282 and 297, 231 and 251
 // at 3.0 px; at 3.5 px 300 of both, and with a shadow's edge 298 and 259.
 constexpr float kTogetherBelow_px = 1.4F;
-constexpr float kFarthestOfCentre_radii = 1.8F;  // the ring's dots begin 2.65 radii of P9 from its middle
 
 InkSums sum_disc(const ImageView& luma, const ChromaView& chroma, const DiscPicture& disc,
                  const LandmarkGeometry& landmark, std::size_t dot, float most_blocks) noexcept {

@@ -151,17 +151,17 @@ Result<std::size_t> LandmarkSeeker::solve(const Frame& frame, const LandmarkObse
   // The closed form looks at centres alone: whether there are outlines of a landmark is asked of the picture apart.
   const Result<PoseCandidate> examined =
       full ? best : full_.examine(luma_, best.pose.T_landmark_camera.inverse(), budget_.pixels, motion.sheet);
-  const bool is_guess = !options_.has_map && !is_foretold;
+  const bool is_guess = !is_foretold;
   // Wallpaper, perforated sheet: what is too small to be told from a landmark is more of what was near enough.
   const bool is_one_of_many = is_guess && examined && examined->dot_radius_px < kAsLarge * look_alike_px_;
-  if (!examined || is_one_of_many || !fits_picture(*examined, noise_, allowance(is_foretold))) {
+  if (!examined || (!options_.has_map && is_one_of_many) || !fits_picture(*examined, noise_, allowance(is_foretold))) {
     if (is_guess && examined && has_whole_ring(*examined) && examined->dot_radius_px >= look_alike_px_)
       look_alike_px_ = examined->dot_radius_px;
     if (!misfit_ && is_publishable(best.pose)) misfit_ = candidates_;
     return fail(Errc::kNoLandmark, "the picture does not fit a landmark");
   }
   row_motion_ = motion;
-  fits_black_and_white_ = fits_picture(*examined, noise_, {allowance(is_foretold).misfit_px, false});
+  fits_black_and_white_ = !is_one_of_many && fits_picture(*examined, noise_, {allowance(is_foretold).misfit_px, false});
   track.see(seen);
   return track.take(candidates_, frame.exposed_at());
 }

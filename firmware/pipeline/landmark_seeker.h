@@ -51,8 +51,8 @@ class LandmarkSeeker {
   Result<std::size_t> solve(const Frame& frame, const LandmarkObservation& seen, const PosePrior* prior, Track& track,
                             bool is_foretold = false) noexcept;
   /// What looks like a landmark, though nothing has told yet where it is. What was tracked a moment ago keeps its
-  /// numbers. Without a map nothing is one whose dots are smaller than those of what has a whole ring in the same frame
-  /// and is none: what is too small to be told from a landmark may be more of that. \return  index [1]
+  /// numbers. Nothing is a black-and-white one whose dots are smaller than those of what has a whole ring in the same
+  /// frame and is none: what is too small to be told from a landmark may be more of that. \return  index [1]
   Result<std::size_t> solve_guess(const Frame& frame, LandmarkObservation seen, Track& track) noexcept;
 
   /// By its outlines alone, from where something else foretells it to two pixels: what is too small, too faint or too
@@ -63,7 +63,7 @@ class LandmarkSeeker {
   const PoseCandidates& candidates() const noexcept { return candidates_; }
   /// Likewise: how its sheet moved across the rows, as the fit took it. Its track knows better afterwards.
   const RowMotion& row_motion() const noexcept { return row_motion_; }
-  /// Likewise: its dots fit the picture without what is allowed to coloured ones. Not asked of outlines that were
+  /// Likewise: it would be one without a map as well, whose dots may have colours. Not asked of outlines that were
   /// followed.
   bool fits_black_and_white() const noexcept { return fits_black_and_white_; }
   /// What the search of the whole picture saw, where nothing came of it: the misfit before what did not get so far.

@@ -93,7 +93,7 @@ std::vector<RoomSweep> all_room_sweeps() {
     c.speed_m_s = m_s, c.exposure_s = m_s > 1 ? 0.006 : m_s == 1 ? 0.005 : 0.004;
     c.label = m_s == 0 ? "0" : fmt::format("{:g}, {:g} ms", m_s, 1000 * c.exposure_s);
   };
-  return {sweep_over<RoomSweep>("rooms-distance", "Distance", "distance of the wall, m", "", {1, 1.5, 2, 3, 4, 5, 6, 8},
+  return {sweep_over<RoomSweep>("rooms-distance", "Distance", "distance of the wall, m", "", {1, 1.5, 2, 3, 4, 5},
                                 [](RoomCondition& c, double m) { c.distance_m = m; }),
           sweep_over<RoomSweep>("rooms-noise", "Noise", "noise at grey level 128, grey levels", "", {1, 2, 4, 8},
                                 [](RoomCondition& c, double lsb) { c.noise_at_grey128_lsb = lsb; }),

@@ -63,6 +63,7 @@ INSTANTIATE_TEST_SUITE_P(
                   {1870171829768299490U, 18180937317587794297U, 3415425033192107199U, 5590358779758869204U}},
         LookAlike{"TwoRings", "two concentric rings", {17320328543251747921U}},
         LookAlike{"EllipsesFromAside", "ellipses for dots", {4728282974048918888U, 1862047198337096385U}},
+        LookAlike{"EllipsesOfWhichTheNearestAreKnownForWhatTheyAre", "ellipses for dots", {8558513665810477459U}},
         LookAlike{"SquaresFromAside", "squares for dots", {12817026344986193459U, 16287834567679173667U}},
         LookAlike{"SquaresOfWhichTheNearestAreKnownForWhatTheyAre", "squares for dots", {7306767430684577609U}},
         LookAlike{"HollowDots", "hollow dots", {5421986315511004047U}},
