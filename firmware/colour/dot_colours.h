@@ -27,7 +27,7 @@ struct DotColours {
 };
 
 /// Reads colours beside the paper around each dot and the black of P9, so that the light's colour, shade, haze and
-/// faded ink drop out; docs/method.md, "Colours". Memory: none but some kB of stack. Threads: const is safe.
+/// faded ink drop out; docs/method.md, "Colours". Memory: none but 20 kB of stack. Threads: const is safe.
 class ColourReader {
  public:
   ColourReader(const CameraModel& camera, const LandmarkGeometry& landmark) noexcept

@@ -109,7 +109,7 @@ TEST(SheetFit, SaysHowCertainItIs) {
 TEST(SheetFit, KnowsWhichDotIsNotAsItsModel) {
   Sheet sheet;
   sheet.draw(0.6F);
-  // Half of P3's blocks are lit by a lamp.
+  // A lamp lights one of P3's blocks.
   const Eigen::Vector2f px = sheet.discs[2].centre_px;
   const auto x = static_cast<int>(px.x() / 2), y = static_cast<int>(px.y() / 2);
   sheet.set(x, y, 0.9F);

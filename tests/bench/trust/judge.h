@@ -27,8 +27,8 @@ inline constexpr double kSigmas = 6;
 inline constexpr double kWrong = 0.01;
 
 /// One verdict per shot, by `Localiser` with its defaults. Of a strip in a room by `RoomLocaliser`, with a map of one
-/// black-and-white sheet among coded ones: whatever looks like a landmark must be that one, and says where the camera
-/// is. Threads: independent of each other.
+/// black-and-white sheet: whatever looks like a landmark must be that one, and says where the camera is.
+/// Threads: independent of each other.
 std::vector<Verdict> judge(const Strip& strip);
 
 /// Holds one pose against the truth: fills all of the verdict from `wrong` on but the work.

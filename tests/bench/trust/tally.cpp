@@ -61,8 +61,8 @@ constexpr const char* kExplanation = R"(# Is what it is sure of true?
 Written by `{}`; nothing on this page is edited by hand. It exits with 1 while a limit is passed.
 
 Every row is one kind of picture, 640 x 480, through `Localiser` with its defaults. It has seen nothing before; a *track* is ten
-frames of a slow motion in a row. *In a room* is through `RoomLocaliser` with a map of one black-and-white sheet among coded ones,
-each picture three times in a row, as long as it takes to be sure. Photographs are windows of those in the Debian packages of the set `trust` in
+frames of a slow motion in a row. *In a room* is through `RoomLocaliser` with a map of one black-and-white sheet, each picture
+three times in a row, as long as it takes to be sure. Photographs are windows of those in the Debian packages of the set `trust` in
 `toolchains/packages.txt`; `--half tune` and `--half held` are their halves, one to tune by and one to check with. Near misses are
 drawn by a small painter, views and camera effects by the tests' renderer, whose truth is exact; a warped sheet is where the plane
 lies that fits its nine dots best.
