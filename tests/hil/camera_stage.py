@@ -181,9 +181,9 @@ class CameraStage:
             registers = service.wait_for_frames(FRAMES_IN_FLIGHT)
             row = self.rows.get(number)
             if row is None:
-                if registers.valid or registers.reason not in REASONS_WITHOUT_ROW:
-                    wrong.append(f"scene {number}: no row, but valid {int(registers.valid)}, reason {registers.reason}")
-            elif not registers.valid:
+                if registers.valid_when_taken or registers.reason not in REASONS_WITHOUT_ROW:
+                    wrong.append(f"scene {number}: no row, but valid {int(registers.valid_when_taken)}, reason {registers.reason}")
+            elif not registers.valid_when_taken:
                 wrong.append(f"scene {number}: not valid, reason {registers.reason}")
             else:
                 shown += 1
@@ -203,7 +203,7 @@ class CameraStage:
         ends = time.monotonic() + FREE_RUNNING_S
         while time.monotonic() < ends:
             registers = service.read()
-            if not registers.valid:
+            if not registers.valid_when_taken:
                 continue
             reads += 1
             ages.append(registers.age_ms)

@@ -142,7 +142,7 @@ class LibcameraStage:
         ends = time.monotonic() + LIVE_S
         while time.monotonic() < ends:
             registers = service.read()
-            if not registers.valid:
+            if not registers.valid_when_taken:
                 continue
             reads += 1
             row = nearest_row(coloured, registers)

@@ -34,6 +34,8 @@ class Registers:
         return struct.unpack(">f", struct.pack(">HH", *self.words[address : address + 2]))[0]
 
     valid = property(lambda self: bool(self.words[4] & 1))
+    # What the frame said, however long ago: an emulated processor's frames come late, and on a busy host some are read when they are too old.
+    valid_when_taken = property(lambda self: self.valid or self.reason == REASON_TOO_OLD)
     found = property(lambda self: bool(self.words[4] & 2))
     reason = property(lambda self: self.words[5])
     heartbeat = property(lambda self: self.words[2])

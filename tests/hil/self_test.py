@@ -16,7 +16,7 @@ import run
 from faults_stage import gives_less_than, sequence_wraps, share_given, stamps_cross
 from guest import GuestFailed
 from png_grey import read_png_grey
-from registers import DifferenceFromRow, Registers, as_float32, rotation_vector_deg
+from registers import REASON_NO_LANDMARK, REASON_TOO_OLD, DifferenceFromRow, Registers, as_float32, rotation_vector_deg
 from tracing import Frame
 from vimc_facts import CONTROLS, LINE_US, furthest_from_middle, is_switched_on, lines_of_stamps, sensors_listed
 
@@ -68,6 +68,12 @@ class Judging(unittest.TestCase):
             words = words_of(ROW)
             words[address] ^= 1
             self.assertTrue(DifferenceFromRow(Registers(words), ROW).differences, f"register {address}")
+
+    def test_a_pose_that_grew_old_was_valid_when_it_was_taken(self):
+        words = words_of(ROW)
+        for status, reason, taken in ((1, 0, True), (0, REASON_TOO_OLD, True), (0, REASON_NO_LANDMARK, False)):
+            words[4], words[5] = status, reason
+            self.assertEqual(Registers(words).valid_when_taken, taken, f"reason {reason}")
 
     def test_two_frames_in_one_reply_are_refused(self):
         words = words_of(ROW)

@@ -85,7 +85,7 @@ class SerialStage:
 
     def differences(self, words):
         registers = Registers(words)
-        if not registers.valid:
+        if not registers.valid_when_taken:
             return []
         return DifferenceFromRow(registers, nearest_row(self.rows, registers)).differences
 

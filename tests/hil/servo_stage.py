@@ -309,7 +309,7 @@ class ServoStage:
             self.pull(INHIBIT, True)
             service.wait_for_frames(2)
             stopped, (angle, _, status) = self.pulses(), self.head_of(service)
-            valid = service.wait_for_frames(15).valid
+            valid = service.wait_for_frames(15).valid_when_taken
             later = self.pulses()
             self.stage.ok(
                 "inhibit",

@@ -173,7 +173,7 @@ class ViscaStage:
         lose()
         service.wait_for(lambda registers: registers.word(4) & STATUS_FAULT, "the status bit servo_fault", 10)
         fault_s = time.monotonic() - lost_at
-        valid = service.wait_for_frames(5).valid
+        valid = service.wait_for_frames(5).valid_when_taken
         self.camera.pan = self.camera.tilt = self.camera.zoom = 0
         bring_back()
         back_at = time.monotonic()
