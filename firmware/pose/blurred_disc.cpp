@@ -127,7 +127,7 @@ void BlurredDisc::sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes* share,
   std::array<Lanes, kMoveColumns> moves{};
   std::array<Lanes, kBlurColumns> blur{};
   for (std::size_t i = 0; i < count_; ++i) {
-    const Node node = nodes_[i];
+    const Node node = nodes_[i];  // a copy: by reference the loops over lanes become no vector instructions
     Lanes weight, along_x, along_y;
     for (std::size_t l = 0; l < kLanes; ++l) {
       const float dx = node.x - x[l], dy = node.y - y[l], t = 0.5F * (dx * dx + dy * dy) + kNotAtNode;

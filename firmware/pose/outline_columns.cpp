@@ -118,13 +118,14 @@ void bend_tone(const DotView& v, OutlineColumns& columns) noexcept {
 /// and, as far as it is lit, of the ink: left out, it moves the dot.
 inline void fill_light(const Pixels& some, const OutlineGroup& group, const DotView& v, float first_luma,
                        OutlineColumns& columns) noexcept {
+  const float middle_x = group.centre_x_px, middle_y = group.centre_y_px, lit_ink = v.ink_share;
   for (std::size_t l = 0; l < kLanes; ++l) {
     const float ink = columns[kInkColumn][l], paper = some.there[l] - ink;
-    const float lit = kSlopeUnit * (paper + v.ink_share * ink);
+    const float lit = kSlopeUnit * (paper + lit_ink * ink);
     columns[kGreyColumn][l] = (some.luma[l] - first_luma) * some.there[l];
     columns[kPaperColumn][l] = paper;
-    columns[kSlopeXColumn][l] = lit * (some.x_px[l] - group.centre_x_px);
-    columns[kSlopeYColumn][l] = lit * (some.y_px[l] - group.centre_y_px);
+    columns[kSlopeXColumn][l] = lit * (some.x_px[l] - middle_x);
+    columns[kSlopeYColumn][l] = lit * (some.y_px[l] - middle_y);
   }
   if (group.at_paper_edge)
     fill_beyond(some, v, columns[kBeyondColumn]);
@@ -306,6 +307,11 @@ void fill_profile(const Pixels& some, const DotView& v, OutlineColumns& columns)
   }
 }
 
+/// 1 at even columns or rows of the picture, -1 at odd ones; without a branch.
+inline float sign_of_pattern(float place_px) noexcept {
+  return static_cast<float>(1 - 2 * (static_cast<std::int32_t>(place_px) & 1));
+}
+
 template <Asked kAsked>
 void fill(const OutlinePixels& pixels, const OutlineGroup& group, const DotView& dot_view, const BlurredDisc& disc,
           PixelRange range, ColumnBatches& batches) noexcept {
@@ -423,8 +429,8 @@ void fill_pattern_columns(const OutlinePixels& pixels, const DotView& dot_view, 
     }
     OutlineColumns& columns = batches[batch];
     for (std::size_t l = 0; l < kLanes; ++l) {
-      const float column = (static_cast<std::int32_t>(some.x_px[l]) & 1) != 0 ? -some.there[l] : some.there[l];
-      const float row = (static_cast<std::int32_t>(some.y_px[l]) & 1) != 0 ? -some.there[l] : some.there[l];
+      const float column = some.there[l] * sign_of_pattern(some.x_px[l]);
+      const float row = some.there[l] * sign_of_pattern(some.y_px[l]);
       columns[0][l] = column * wider[l], columns[1][l] = row * wider[l];
       columns[2][l] = column * longer[l], columns[3][l] = row * longer[l];
     }

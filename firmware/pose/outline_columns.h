@@ -37,7 +37,7 @@ inline constexpr std::size_t kBeyondEdgeColumn = kSlopeXColumn, kInkBeyondEdgeCo
 inline constexpr std::size_t kColumns = kGreyColumn + 9;
 using OutlineColumns = std::array<Lanes, kColumns>;
 /// So many are filled at a time: a small dot's pixels are through in one go, and the buffer stays in the nearest cache.
-inline constexpr std::size_t kMaxBatches = 8;
+inline constexpr std::size_t kMaxBatches = 16;
 using ColumnBatches = std::array<OutlineColumns, kMaxBatches>;
 
 /// What all pixels of a dot share, at one state.

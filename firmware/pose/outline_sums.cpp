@@ -43,12 +43,26 @@ struct ColumnRange {
 using LaneVector [[gnu::vector_size(sizeof(Lanes)), gnu::aligned(kVectorAlignment), gnu::may_alias]] = float;
 const LaneVector& as_vector(const Lanes& lanes) noexcept { return *reinterpret_cast<const LaneVector*>(lanes.data()); }
 
-/// Half on half, in an order that is the same whatever the vectors' width.
+using FourSums [[gnu::vector_size(4 * sizeof(float))]] = float;
+using FourTotals [[gnu::vector_size(4 * sizeof(double)), gnu::aligned(alignof(double)), gnu::may_alias]] = double;
+
+/// Neighbours first, in an order that is the same whatever the vectors' width.
 float total(const LaneVector& lanes) noexcept {
-  const auto four =
-      __builtin_shufflevector(lanes, lanes, 0, 1, 2, 3) + __builtin_shufflevector(lanes, lanes, 4, 5, 6, 7);
-  const auto two = four + __builtin_shufflevector(four, four, 2, 3, 0, 1);
-  return two[0] + two[1];
+  const auto pairs =
+      __builtin_shufflevector(lanes, lanes, 0, 2, 4, 6) + __builtin_shufflevector(lanes, lanes, 1, 3, 5, 7);
+  const auto halves =
+      __builtin_shufflevector(pairs, pairs, 0, 2, 0, 2) + __builtin_shufflevector(pairs, pairs, 1, 3, 1, 3);
+  return halves[0] + halves[1];
+}
+/// Of four at once, each to the bit as it is alone: a product does not depend on what else is asked.
+FourSums totals(const LaneVector& a, const LaneVector& b, const LaneVector& c, const LaneVector& d) noexcept {
+  const auto ab = __builtin_shufflevector(a, b, 0, 2, 8, 10, 4, 6, 12, 14) +
+                  __builtin_shufflevector(a, b, 1, 3, 9, 11, 5, 7, 13, 15);
+  const auto cd = __builtin_shufflevector(c, d, 0, 2, 8, 10, 4, 6, 12, 14) +
+                  __builtin_shufflevector(c, d, 1, 3, 9, 11, 5, 7, 13, 15);
+  const auto fours = __builtin_shufflevector(ab, cd, 0, 2, 8, 10, 4, 6, 12, 14) +
+                     __builtin_shufflevector(ab, cd, 1, 3, 9, 11, 5, 7, 13, 15);
+  return __builtin_shufflevector(fours, fours, 0, 1, 2, 3) + __builtin_shufflevector(fours, fours, 4, 5, 6, 7);
 }
 
 /// Adds the products of `rows` with `columns`, or with those of themselves that do not come after them, of so many
@@ -57,7 +71,18 @@ template <std::size_t kBatches, bool kWithThemselves>
 void add_products(const ColumnBatches& batches, ColumnRange rows, ColumnRange columns, ProductSums& sums) noexcept {
   for (std::size_t i = rows.first; i < rows.end; ++i) {
     const std::size_t end = kWithThemselves ? i + 1 : columns.end;
-    for (std::size_t j = columns.first; j < end; ++j) {
+    std::size_t j = columns.first;
+    for (; j + 4 <= end; j += 4) {
+      LaneVector a{}, b{}, c{}, d{};
+      for (std::size_t batch = 0; batch < kBatches; ++batch) {
+        const OutlineColumns& some = batches[batch];
+        const LaneVector row = as_vector(some[i]);
+        a += row * as_vector(some[j]), b += row * as_vector(some[j + 1]);
+        c += row * as_vector(some[j + 2]), d += row * as_vector(some[j + 3]);
+      }
+      reinterpret_cast<FourTotals&>(sums[i][j]) += __builtin_convertvector(totals(a, b, c, d), FourTotals);
+    }
+    for (; j < end; ++j) {
       LaneVector sum{};
       for (std::size_t batch = 0; batch < kBatches; ++batch)
         sum += as_vector(batches[batch][i]) * as_vector(batches[batch][j]);

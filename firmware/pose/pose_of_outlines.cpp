@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/inline_vector.h"
+#include "geometry/definite_inverse.h"
 #include "pose/ellipse_parameters.h"
 #include "pose/outline_shape.h"
 #include "pose/tilt_spread.h"
@@ -201,7 +202,7 @@ PoseCandidate candidate_of(const OutlineRefiner& refiner, const CameraModel& cam
   pose.T_landmark_camera = refiner.state().T_camera_landmark.inverse();
   pose.rms_px = refiner.rms_px();
   pose.ellipse = ellipse_parameters(pose.T_landmark_camera, camera, landmark);
-  const UnknownMatrix covariance = refiner.information().inverse();
+  const UnknownMatrix covariance = inverse_of_definite(refiner.information());
   candidate.offset_sigma_px = std::sqrt(covariance(kPoseUnknowns, kPoseUnknowns));
   pose.covariance = covariance_of(refiner.state().T_camera_landmark, covariance_of_step(covariance), candidate.dots,
                                   camera, landmark);

@@ -33,4 +33,16 @@ SightingFit softened(const SightingFit& fit, const PoseCovariance& step_covarian
   return soft;
 }
 
+SightingFit softened_by_turn(const SightingFit& fit, double turn_sigma_rad) noexcept {
+  Eigen::Matrix3d turns = fit.normal.bottomRightCorner<3, 3>();
+  turns.diagonal().array() += 1 / (turn_sigma_rad * turn_sigma_rad);
+  const Eigen::Matrix3d inverse = turns.inverse();
+  const Eigen::Matrix<double, 6, 3> by_turn = fit.normal.rightCols<3>() * inverse;
+  SightingFit soft = fit;
+  soft.normal -= by_turn * fit.normal.bottomRows<3>();
+  soft.gradient -= by_turn * fit.gradient.tail<3>();
+  soft.chi2 -= fit.gradient.tail<3>().dot(inverse * fit.gradient.tail<3>());
+  return soft;
+}
+
 }  // namespace ninedot

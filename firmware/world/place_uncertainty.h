@@ -29,4 +29,8 @@ PoseCovariance step_covariance_of_turn(double turn_sigma_rad) noexcept;
 /// Memory: none. Threads: pure.
 SightingFit softened(const SightingFit& fit, const PoseCovariance& step_covariance) noexcept;
 
+/// The same of step_covariance_of_turn(turn_sigma_rad): three unknowns eliminated, not six. \pre turn_sigma_rad > 0
+/// Memory: none. Threads: pure.
+SightingFit softened_by_turn(const SightingFit& fit, double turn_sigma_rad) noexcept;
+
 }  // namespace ninedot

@@ -86,7 +86,7 @@ SightingFit fit_of_sighting(const LandmarkSighting& sighting, const WorldFromLan
   fit.normal.bottomLeftCorner<3, 3>() = fit.normal.topRightCorner<3, 3>().transpose();
   fit.normal.bottomRightCorner<3, 3>() = N_rr;
   fit.gradient << R * g_p, g_r;
-  return sighting.turn_sigma_rad > 0 ? softened(fit, step_covariance_of_turn(sighting.turn_sigma_rad)) : fit;
+  return sighting.turn_sigma_rad > 0 ? softened_by_turn(fit, sighting.turn_sigma_rad) : fit;
 }
 
 }  // namespace ninedot

@@ -133,10 +133,15 @@ bool WorldSolver::add_anonymous(const Scene& scene) noexcept {
 
 bool WorldSolver::start_without_coded(const Scene& scene, int sighted, HypothesisList& list) const noexcept {
   if (map_.anonymous().size() == 1) return start_with_the_only_one(scene, list);
-  if (scene.prior() != nullptr && start_near_prior(scene, list) && 2 * most_used(list) > sighted) return true;
+  const bool is_near_complete = scene.prior() == nullptr || start_near_prior(scene, list);
+  if (is_near_complete && 2 * most_used(list) > sighted) return true;
   // Without a track, or with one that does not explain what is seen: by the sheets' places among each other.
-  list.clear();
-  return start_with_pairs(scene, list);
+  HypothesisList pairs;
+  const bool is_complete = start_with_pairs(scene, pairs);
+  // Where these say nothing, half of them may hang elsewhere, and the others be where the track expects them.
+  if (pairs.empty()) return is_complete && is_near_complete;
+  list = pairs;
+  return is_complete;
 }
 
 void WorldSolver::start_from_coded(const Scene& scene) noexcept {

@@ -112,6 +112,36 @@ Eigen::MatrixXd left_of(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& o
   return columns.transpose() * columns - columns.transpose() * own * products.ldlt().solve(own.transpose() * columns);
 }
 
+TEST(OutlineSums, PatternChangesSignFromOnePixelToTheNext) {
+  test::Scene scene;
+  scene.camera = test::look_at_landmark({.distance_m = 3.0});
+  const test::Picture picture = test::render(scene, 1);
+  ImageView luma = picture.view();
+  luma.has_pattern = true;
+  OutlineState state;
+  state.T_camera_landmark = test::sheet_before(scene.camera);
+  const CameraModel camera;
+  OutlinePixels pixels(12000);
+  collect_outline_pixels(luma, camera, RayTable(camera), LandmarkGeometry{}, state.T_camera_landmark, 3, 1, {}, {},
+                         pixels);
+  const auto pattern = [&] { return columns_of(pixels, pixels.groups[0], state).leftCols<kPatternColumns>().eval(); };
+  const auto here = pattern();
+  for (float& x_px : pixels.x_px) x_px += 1;
+  const auto beside = pattern();
+  for (float& y_px : pixels.y_px) y_px += 1;
+  const auto across = pattern();
+  for (const Eigen::Index by_column : {0, 2}) {
+    EXPECT_GT(here.col(by_column).norm(), 0.01);
+    EXPECT_EQ(beside.col(by_column), -here.col(by_column));
+    EXPECT_EQ(across.col(by_column), -here.col(by_column));
+  }
+  for (const Eigen::Index by_row : {1, 3}) {
+    EXPECT_GT(here.col(by_row).norm(), 0.01);
+    EXPECT_EQ(beside.col(by_row), here.col(by_row));
+    EXPECT_EQ(across.col(by_row), -here.col(by_row));
+  }
+}
+
 TEST(OutlineSums, PatternIsEliminatedLikeTheLight) {
   test::Scene scene;
   scene.camera = test::look_at_landmark({.distance_m = 3.0, .tilt_rad = 0.5, .azimuth_rad = 0.7});

@@ -70,6 +70,22 @@ TEST(PlaceUncertainty, IsWhatIsLeftWhenTheLikeliestErrorIsTaken) {
   }
 }
 
+TEST(PlaceUncertainty, OfATurnIsWhatItIsOfItsCovariance) {
+  Random random(34);
+  for (const double turn_sigma_rad : {1e-6, 1e-4, 1e-2, 1.0}) {
+    const View view = any_view(random);
+    const WorldFromCamera at = moved_by(view.T_world_camera, PoseStep::Constant(1e-3));
+    const SightingFit fit = fit_of_sighting(view.sighting, view.place, at, {});
+    const SightingFit soft = softened_by_turn(fit, turn_sigma_rad);
+    const SightingFit expected = softened(fit, step_covariance_of_turn(turn_sigma_rad));
+    EXPECT_NEAR(soft.chi2, expected.chi2, 1e-6 * fit.chi2) << turn_sigma_rad;
+    EXPECT_EQ(soft.dots, expected.dots);
+    EXPECT_LT((soft.normal - expected.normal).norm(), 1e-6 * expected.normal.norm()) << turn_sigma_rad;
+    EXPECT_LT((soft.gradient - expected.gradient).norm(), 1e-6 * fit.gradient.norm()) << turn_sigma_rad;
+    EXPECT_LT(soft.chi2, fit.chi2);
+  }
+}
+
 TEST(PlaceUncertainty, OfNoneChangesNothing) {
   Random random(33);
   const View view = any_view(random);
