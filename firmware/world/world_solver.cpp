@@ -131,16 +131,16 @@ bool WorldSolver::add_anonymous(const Scene& scene) noexcept {
   return is_complete && (known == 0 || most_used(hypotheses_) > 1 || is_known_by_track(scene));
 }
 
-bool WorldSolver::start_without_coded(const Scene& scene, int sighted, HypothesisList& list) const noexcept {
+bool WorldSolver::start_without_coded(const Scene& scene, int sighted, HypothesisList& list) noexcept {
   if (map_.anonymous().size() == 1) return start_with_the_only_one(scene, list);
   const bool is_near_complete = scene.prior() == nullptr || start_near_prior(scene, list);
   if (is_near_complete && 2 * most_used(list) > sighted) return true;
   // Without a track, or with one that does not explain what is seen: by the sheets' places among each other.
-  HypothesisList pairs;
-  const bool is_complete = start_with_pairs(scene, pairs);
+  pairs_.clear();
+  const bool is_complete = start_with_pairs(scene, pairs_);
   // Where these say nothing, half of them may hang elsewhere, and the others be where the track expects them.
-  if (pairs.empty()) return is_complete && is_near_complete;
-  list = pairs;
+  if (pairs_.empty()) return is_complete && is_near_complete;
+  list = pairs_;
   return is_complete;
 }
 

@@ -45,7 +45,7 @@ class WorldSolver {
  private:
   void start_from_coded(const Scene& scene) noexcept;
   bool add_anonymous(const Scene& scene) noexcept;
-  bool start_without_coded(const Scene& scene, int sighted, HypothesisList& list) const noexcept;
+  bool start_without_coded(const Scene& scene, int sighted, HypothesisList& list) noexcept;
   WorldPose answer(const Scene& scene, bool is_complete) noexcept;
   void remember(const WorldPose& pose) noexcept;
 
@@ -54,6 +54,7 @@ class WorldSolver {
   WorldOptions options_;
   MovedLandmarks moved_;
   HypothesisList hypotheses_;
+  HypothesisList pairs_;  ///< scratch: too large for the stack of a frame
 };
 
 }  // namespace ninedot

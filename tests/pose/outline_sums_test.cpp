@@ -112,18 +112,24 @@ Eigen::MatrixXd left_of(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& o
   return columns.transpose() * columns - columns.transpose() * own * products.ldlt().solve(own.transpose() * columns);
 }
 
-TEST(OutlineSums, PatternChangesSignFromOnePixelToTheNext) {
-  test::Scene scene;
-  scene.camera = test::look_at_landmark({.distance_m = 3.0});
+/// As if a colour camera had seen the scene.
+OutlinePixels pixels_of_pattern(const test::Scene& scene, const OutlineState& state) {
   const test::Picture picture = test::render(scene, 1);
   ImageView luma = picture.view();
   luma.has_pattern = true;
-  OutlineState state;
-  state.T_camera_landmark = test::sheet_before(scene.camera);
   const CameraModel camera;
   OutlinePixels pixels(12000);
   collect_outline_pixels(luma, camera, RayTable(camera), LandmarkGeometry{}, state.T_camera_landmark, 3, 1, {}, {},
                          pixels);
+  return pixels;
+}
+
+TEST(OutlineSums, PatternChangesSignFromOnePixelToTheNext) {
+  test::Scene scene;
+  scene.camera = test::look_at_landmark({.distance_m = 3.0});
+  OutlineState state;
+  state.T_camera_landmark = test::sheet_before(scene.camera);
+  OutlinePixels pixels = pixels_of_pattern(scene, state);
   const auto pattern = [&] { return columns_of(pixels, pixels.groups[0], state).leftCols<kPatternColumns>().eval(); };
   const auto here = pattern();
   for (float& x_px : pixels.x_px) x_px += 1;
@@ -146,15 +152,9 @@ TEST(OutlineSums, PatternIsEliminatedLikeTheLight) {
   test::Scene scene;
   scene.camera = test::look_at_landmark({.distance_m = 3.0, .tilt_rad = 0.5, .azimuth_rad = 0.7});
   set_noise(scene.sensor, 2.0);
-  const test::Picture picture = test::render(scene, 1);
-  ImageView luma = picture.view();
-  luma.has_pattern = true;
   OutlineState state;
   state.T_camera_landmark = test::sheet_before(scene.camera);
-  const CameraModel camera;
-  const RayTable rays(camera);
-  OutlinePixels pixels(12000);
-  collect_outline_pixels(luma, camera, rays, LandmarkGeometry{}, state.T_camera_landmark, 3, 1, {}, {}, pixels);
+  const OutlinePixels pixels = pixels_of_pattern(scene, state);
   const LandmarkGeometry landmark;
   GroupFitter fitter(pixels, landmark, state, Asked::kState), light_only(pixels, landmark, state, Asked::kLightOnly);
   for (const OutlineGroup& group : pixels.groups) {

@@ -31,6 +31,14 @@ WorldPrior prior_at(const WorldFromCamera& T_world_camera) {
   return prior;
 }
 
+/// As uncertain as it says.
+WorldPrior scattered_prior(Random& random, const WorldFromCamera& T_world_camera) {
+  WorldPrior prior = prior_at(T_world_camera);
+  for (int i = 0; i < 6; ++i)
+    prior.T_world_camera = moved_by(prior.T_world_camera, PoseStep::Unit(i) * 0.01 * random.normal());
+  return prior;
+}
+
 TEST(WorldMoved, TrueLandmarksAreRejectedAsOftenAsIsSaid) {
   // At one in a hundred, so that 10,000 trials count it well, and without what no model explains.
   WorldOptions options;
@@ -58,9 +66,7 @@ TEST(WorldMoved, TrueLandmarksThatScatterAboutTheTrackAsItSaysAreNotInDoubt) {
   for (int trial = 0; trial < kTrials; ++trial) {
     const Room room = test::random_room(random, {.landmarks = 1 + trial % 3});
     auto seen = test::sightings_of(random, room);
-    WorldPrior prior = prior_at(room.T_world_camera);
-    for (int i = 0; i < 6; ++i)
-      prior.T_world_camera = moved_by(prior.T_world_camera, PoseStep::Unit(i) * 0.01 * random.normal());
+    const WorldPrior prior = scattered_prior(random, room.T_world_camera);
     valid_without_odds += WorldSolver(room.map, {}).solve(seen, &prior).is_valid() ? 1 : 0;
     for (SightedLandmark& sighting : seen) sighting.others_odds = 0.004;
     valid += WorldSolver(room.map, {}).solve(seen, &prior).is_valid() ? 1 : 0;
@@ -155,14 +161,6 @@ TEST(WorldMoved, ABlackAndWhiteSheetThatContradictsACodedOneIsNoAnswerUnlessTheT
   }
   EXPECT_EQ(open, kTrials);
   EXPECT_GE(decided, kTrials * 95 / 100);
-}
-
-/// As uncertain as it says.
-WorldPrior scattered_prior(Random& random, const WorldFromCamera& T_world_camera) {
-  WorldPrior prior = prior_at(T_world_camera);
-  for (int i = 0; i < 6; ++i)
-    prior.T_world_camera = moved_by(prior.T_world_camera, PoseStep::Unit(i) * 0.01 * random.normal());
-  return prior;
 }
 
 TEST(WorldMoved, OfBlackAndWhiteSheetsTheOneThatTheTrackExpectsIsBelievedBesideOneThatWasMoved) {
