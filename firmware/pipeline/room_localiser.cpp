@@ -73,7 +73,7 @@ RoomLocaliser::RoomLocaliser(const CameraModel& camera, const LocaliserOptions& 
       lens_(std::make_unique<Lens>(camera, with_map(options.seeker), options.intrinsics, options.zoom),
             options.new_lenses),
       room_(std::make_unique<RoomMap>(options.seeker.landmark, options.map, options.trust.max_ambiguity)),
-      filter_(options.filter),
+      track_(options.filter),
       row_time_(options.row_time, camera.height_px, RowTimeBelief::Untold::kIsOpen) {}
 
 /// A map that has come takes the place of the one before. Rings in view stay followed, and who they are stays known
@@ -81,8 +81,9 @@ RoomLocaliser::RoomLocaliser(const CameraModel& camera, const LocaliserOptions& 
 void RoomLocaliser::take_newest_map() noexcept {
   std::unique_ptr<RoomMap> fresh = options_.new_maps != nullptr ? options_.new_maps->take() : nullptr;
   if (fresh == nullptr) return;
+  track_.forget_landmarks();
   if (!fresh->take_over(*room_)) {
-    filter_.reset();
+    track_.reset();
     row_time_.forget_pictures();
   }
   for (InView& landmark : in_view_) {
@@ -102,7 +103,7 @@ void RoomLocaliser::begin_anew() noexcept {
   is_to_begin_anew_ = false;
   in_view_.clear();
   lost_.clear();
-  filter_.reset();
+  track_.reset();
 }
 
 const LandmarkObservation* RoomLocaliser::last_observation() const noexcept {
@@ -117,7 +118,7 @@ std::optional<FailedSearch> RoomLocaliser::failed_search() const noexcept {
 
 /// What the track of the camera knows of its motion, if that is enough to tell where rows would have been.
 std::optional<CameraTwist> RoomLocaliser::twist_at(MonoTime time) const noexcept {
-  const auto tracked = filter_.at(time);
+  const auto tracked = track_.at(time);
   if (!tracked) return std::nullopt;
   const CameraTwist twist = twist_of(*tracked);
   if (twist.rate_sigma_rad_s > kUsableRate_rad_s) return std::nullopt;
@@ -164,7 +165,7 @@ void RoomLocaliser::follow(const Frame& frame) noexcept {
 /// Where the track of the camera in the world lets the map's landmarks be in this picture.
 void RoomLocaliser::look_where_expected(const Frame& frame) noexcept {
   for (std::uint8_t& frames : room_->wait) frames = static_cast<std::uint8_t>(frames > 0 ? frames - 1 : 0);
-  const auto forecast = filter_.forecast(frame.exposed_at());
+  const auto forecast = track_.forecast(frame.exposed_at());
   if (!forecast) return;
   const auto T_camera_world = forecast->T_world_camera.inverse();
   int looks = 0;
@@ -363,7 +364,7 @@ void RoomLocaliser::look_at(const Frame& frame) noexcept {
     follow(frame);
   } else {
     in_view_.clear();
-    filter_.reset();
+    track_.reset();
   }
   fix_.tracked = !in_view_.empty();
   look_where_expected(frame);

@@ -7,6 +7,7 @@
 
 #include "pipeline/localiser.h"
 #include "pipeline/room_map.h"
+#include "track/world_track.h"
 
 namespace ninedot {
 
@@ -62,19 +63,10 @@ class RoomLocaliser final : public FrameProcessor {
   WorldVerdict place_in_world(const Frame& frame) noexcept;
   void report_world(const WorldPose& world, std::span<const SightedLandmark> sighted,
                     std::span<const std::size_t> which) noexcept;
-  /// What a world pose is made of, each with its landmark's own numbering of the dots.
-  struct UsedSightings {
-    UsedSightings(const WorldPose& world, std::span<const SightedLandmark> sighted, const LandmarkMap& map) noexcept;
-    UsedSightings(const UsedSightings&) = delete;  // `members` point into `numbered`
-    std::array<LandmarkSighting, kMaxSightings> numbered;
-    InlineVector<JointMember, kMaxSightings> members;
-  };
-  void follow_in_world(const Frame& frame, const WorldPose& world, std::span<const SightedLandmark> sighted,
-                       const UsedSightings& used) noexcept;
-  void add_calibration_error(std::span<const JointMember> used, WorldPose& world) noexcept;
+  void add_calibration_error(WorldPose& world) noexcept;
   void learn_row_time(const WorldPose& world, std::span<const SightedLandmark> sighted,
                       std::span<const std::size_t> which) noexcept;
-  void note_carriers(const WorldPose& world, FilterVerdict verdict) noexcept;
+  void note_carriers(const WorldPose& world) noexcept;
   void believe_world(InView& landmark, std::size_t map_index, std::size_t turn, const WorldPose& world) noexcept;
   void add_fix(const InView& landmark, std::size_t map_index, const SightingVerdict& verdict,
                const WorldPose& world) noexcept;
@@ -83,7 +75,7 @@ class RoomLocaliser final : public FrameProcessor {
   const LocaliserOptions options_;
   LensInUse lens_;
   std::unique_ptr<RoomMap> room_;
-  PoseFilter filter_;
+  WorldTrack track_;
   RowTimeBelief row_time_;
   bool is_to_begin_anew_ = false;  // with the next frame: what was followed was so by a wrong row time
   PoseInformation calibration_share_ = PoseInformation::Zero();  // of the newest place in the world

@@ -57,58 +57,17 @@ WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
     (void)sighted.try_push_back(seen);  // as many as are in view
     (void)which.try_push_back(i);
   }
-  const auto forecast = filter_.forecast(frame.exposed_at());
-  const WorldPrior prior =
-      forecast ? WorldPrior{forecast->T_world_camera, forecast->covariance, forecast->ambiguity} : WorldPrior{};
-  WorldPose world = room_->world.solve(sighted.span(), forecast ? &prior : nullptr);
+  WorldPose world = track_.place(frame.exposed_at(), sighted.span(), room_->map, room_->world);
+  fix_.track = track_.at(frame.exposed_at());
+  note_carriers(world);
   double nearest_m = std::numeric_limits<double>::infinity();
   for (const SightedLandmark& seen : sighted)
     nearest_m = std::min(nearest_m, seen.sighting.T_camera_landmark.translation_m.norm());
-  const UsedSightings used(world, sighted.span(), room_->map);
-  follow_in_world(frame, world, sighted.span(), used);
   learn_row_time(world, sighted.span(), which.span());
-  add_calibration_error(used.members.span(), world);
+  add_calibration_error(world);
   if (world.is_valid() && !is_certain(world, nearest_m, options_.trust)) world.verdict = WorldVerdict::kUndetermined;
   report_world(world, sighted.span(), which.span());
   return world.verdict;
-}
-
-RoomLocaliser::UsedSightings::UsedSightings(const WorldPose& world, std::span<const SightedLandmark> sighted,
-                                            const LandmarkMap& map) noexcept {
-  for (std::size_t i = 0; i < sighted.size(); ++i) {
-    const SightingVerdict& verdict = world.sightings[i];
-    if (verdict.use != SightingUse::kUsed || !verdict.landmark) continue;
-    const MappedLandmark& landmark = map.landmarks()[*verdict.landmark];
-    const int turn = static_cast<int>(verdict.turn);
-    const LandmarkSighting& seen = sighted[i].sighting;
-    numbered[i] = {landmark.id, renumbered(seen.T_camera_landmark, turn), renumbered(seen.dots, turn),
-                   seen.turn_sigma_rad};
-    (void)members.try_push_back({&numbered[i], landmark.T_world_landmark, &landmark.covariance});
-  }
-}
-
-/// The track of the camera: by what the world pose is made of. A frame whose readings are open offers them all.
-void RoomLocaliser::follow_in_world(const Frame& frame, const WorldPose& world,
-                                    std::span<const SightedLandmark> sighted, const UsedSightings& used) noexcept {
-  InlineVector<WorldReading, PoseFilter::kMaxReadings> readings;
-  (void)readings.try_push_back({world.T_world_camera, 0, 0});
-  for (std::size_t i = 0; i < sighted.size(); ++i) {
-    const SightingVerdict& verdict = world.sightings[i];
-    if (verdict.use != SightingUse::kUsed || !verdict.landmark || !sighted[i].mirror) continue;
-    const MappedLandmark& landmark = room_->map.landmarks()[*verdict.landmark];
-    const int turn = static_cast<int>(verdict.turn);
-    const auto camera_by = [&](const CameraFromLandmark& T) {
-      return landmark.T_world_landmark * renumbered(T, turn).inverse();
-    };
-    (void)readings.try_push_back({camera_by(sighted[i].sighting.T_camera_landmark), 0, 0});  // the best come first
-    (void)readings.try_push_back({camera_by(*sighted[i].mirror), sighted[i].mirror_chi2_above, 0});
-  }
-  // One coded landmark whose mirror image is open: the track knows better, or will.
-  const bool is_known = world.is_valid() || (world.verdict == WorldVerdict::kAmbiguous && used.members.size() == 1 &&
-                                             sighted.size() == 1 && sighted[0].coded);
-  if (is_known && !used.members.empty())
-    note_carriers(world, filter_.take(frame.exposed_at(), used.members.span(), readings.span()));
-  fix_.track = filter_.at(frame.exposed_at());
 }
 
 /// By all whose landmarks have a place in the map, those that were left out as well: it may be why.
@@ -138,8 +97,9 @@ void RoomLocaliser::learn_row_time(const WorldPose& world, std::span<const Sight
 }
 
 /// Once for all landmarks and all frames.
-void RoomLocaliser::add_calibration_error(std::span<const JointMember> used, WorldPose& world) noexcept {
+void RoomLocaliser::add_calibration_error(WorldPose& world) noexcept {
   if (!lens_->calibration_error.is_known()) return;
+  const std::span<const JointMember> used = track_.used().members.span();
   if (!used.empty()) {
     calibration_share_ = lens_->calibration_error.share_of(used, world.T_world_camera);
     world.covariance += calibration_share_;
@@ -148,7 +108,8 @@ void RoomLocaliser::add_calibration_error(std::span<const JointMember> used, Wor
 }
 
 /// What the track stands on.
-void RoomLocaliser::note_carriers(const WorldPose& world, FilterVerdict verdict) noexcept {
+void RoomLocaliser::note_carriers(const WorldPose& world) noexcept {
+  const FilterVerdict verdict = track_.verdict();
   if (verdict == FilterVerdict::kStarted) std::ranges::fill(room_->carries_track, std::uint8_t{0});
   if (verdict != FilterVerdict::kStarted && verdict != FilterVerdict::kTaken) return;
   for (const SightingVerdict& sighting : world.sightings)

@@ -66,9 +66,7 @@ bool take_in_anonymous(const Scene& scene, HypothesisList& list) noexcept {
   return is_complete;
 }
 
-bool start_near_prior(const Scene& scene, HypothesisList& list) noexcept {
-  EXPECTS(scene.prior() != nullptr);
-  const WorldPrior& prior = *scene.prior();
+bool start_near_prior(const Scene& scene, const WorldPrior& prior, HypothesisList& list) noexcept {
   const Eigen::Matrix3d& R = prior.T_world_camera.rotation;
   bool is_complete = true;
   for (const std::size_t i : scene.by_sureness()) {
@@ -86,7 +84,8 @@ bool start_near_prior(const Scene& scene, HypothesisList& list) noexcept {
         of_this.clear();
         start_alone(scene, i, {landmark, turn}, of_this);
         for (Hypothesis& hypothesis : of_this)
-          if (settle(scene, hypothesis) && hypothesis.agrees_with_prior) is_complete &= list.try_push_back(hypothesis);
+          if (settle(scene, hypothesis) && prior_chi2(prior, hypothesis) <= scene.options().max_disagreement_chi2)
+            is_complete &= list.try_push_back(hypothesis);
       }
     }
     is_complete &= take_in_anonymous(scene, list);

@@ -20,9 +20,9 @@ inline constexpr int kMaxPairsTested = 20000, kMaxPairsFitted = 96;
 /// Memory: none. Threads: pure; likewise all below.
 bool take_in_anonymous(const Scene& scene, HypothesisList& list) noexcept;
 
-/// The hypotheses that the prior allows are appended: the landmarks near where a sighting's is expected.
-/// \pre there is a prior (contract)
-bool start_near_prior(const Scene& scene, HypothesisList& list) noexcept;
+/// The hypotheses that a prior allows are appended: the landmarks near where a sighting's is expected.
+/// \param prior  the scene's, or its `without`
+bool start_near_prior(const Scene& scene, const WorldPrior& prior, HypothesisList& list) noexcept;
 
 /// The same for a map with one black-and-white landmark: it is that one, in one of eight numberings.
 bool start_with_the_only_one(const Scene& scene, HypothesisList& list) noexcept;

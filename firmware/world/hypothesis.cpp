@@ -78,20 +78,6 @@ double left_out_chi2(const Scene& scene, const Members& members, const JointFit&
                         rest_gradient);
 }
 
-/// What speaks against a place that the track does not foretell: at most that it may itself be wrong.
-double most_prior_cost(const Scene& scene) noexcept {
-  const double ambiguity = scene.prior() != nullptr ? scene.prior()->ambiguity : 0;
-  const double most = scene.options().max_disagreement_chi2;
-  return ambiguity > 0 ? std::min(most, -2 * std::log(ambiguity)) : most;
-}
-
-double prior_cost(const Scene& scene, const Hypothesis& hypothesis) noexcept {
-  if (scene.prior() == nullptr) return 0;
-  const PoseStep step = step_between(scene.prior()->T_world_camera, hypothesis.T_world_camera);
-  const PoseCovariance own = hypothesis.normal.llt().solve(PoseInformation::Identity());
-  return by_inverse(scene.prior()->covariance + own, step);
-}
-
 /// The dots' numbering, once for all: there is one camera and one roll, and what several sightings say of it is one
 /// statement. The worst of them.
 double numbering_cost(const Scene& scene, const Hypothesis& hypothesis) noexcept {
@@ -232,12 +218,27 @@ bool settle(const Scene& scene, Hypothesis& hypothesis) noexcept {
     --hypothesis.used;
   }
   hypothesis.cost = disagreement + numbering_cost(scene, hypothesis);
-  const double from_prior = prior_cost(scene, hypothesis);
-  hypothesis.agrees_with_prior = from_prior <= scene.options().max_disagreement_chi2;
-  hypothesis.cost += std::min(from_prior, most_prior_cost(scene));
+  if (const WorldPrior* prior = scene.prior(); prior != nullptr) {
+    const double chi2 = prior_chi2(*prior, hypothesis);
+    const bool is_doubted = prior->doubted && hypothesis.choices[*prior->doubted].is_made();
+    hypothesis.agrees_with_prior = chi2 <= scene.options().max_disagreement_chi2;
+    hypothesis.prior_cost = cost_by_prior(scene, *prior, is_doubted ? kNever : chi2);
+    hypothesis.cost += hypothesis.prior_cost;
+  }
   for (std::size_t i = 0; i < scene.seen().size(); ++i)
     if (!hypothesis.choices[i].is_made()) hypothesis.cost += scene.leave_out_cost(i);
   return true;
+}
+
+double prior_chi2(const WorldPrior& prior, const Hypothesis& hypothesis) noexcept {
+  const PoseStep step = step_between(prior.T_world_camera, hypothesis.T_world_camera);
+  const PoseCovariance own = hypothesis.normal.llt().solve(PoseInformation::Identity());
+  return by_inverse(prior.covariance + own, step);
+}
+
+double cost_by_prior(const Scene& scene, const WorldPrior& prior, double chi2) noexcept {
+  const double most = scene.options().max_disagreement_chi2;
+  return std::min(chi2, prior.ambiguity > 0 ? std::min(most, -2 * std::log(prior.ambiguity)) : most);
 }
 
 bool is_same_place(const Hypothesis& a, const WorldFromCamera& T_world_camera) noexcept {

@@ -15,6 +15,7 @@ struct Hypothesis {
   int used = 0;                                           ///< sightings
   double crest_chi2 = 0;  ///< used == 1: what the picture says against this crest of its likelihood [1]
   double cost = 0;        ///< minus twice the logarithm of its likelihood; of `settle` [1]
+  double prior_cost = 0;  ///< of `cost`, what the prior says against it; of `settle` [1]
   bool agrees_with_prior = true;
 };
 
@@ -45,6 +46,11 @@ double disagreement_chi2(const Scene& scene, std::size_t sighting, const Choice&
 /// Fits all its sightings jointly, leaves out what disagrees after all, and works out what it costs.
 /// \return  false: it is none; its sightings determine no pose
 bool settle(const Scene& scene, Hypothesis& hypothesis) noexcept;
+
+/// How far its place is from where a prior expects the camera: chi^2 of six freedoms [1].
+double prior_chi2(const WorldPrior& prior, const Hypothesis& hypothesis) noexcept;
+/// What that says against it: at most that the prior may itself be wrong. \param chi2  of six freedoms [1] \return  [1]
+double cost_by_prior(const Scene& scene, const WorldPrior& prior, double chi2) noexcept;
 
 /// Whether two places of the camera are one for the likelihood about `a`: within its covariance (95 %).
 bool is_same_place(const Hypothesis& a, const WorldFromCamera& T_world_camera) noexcept;

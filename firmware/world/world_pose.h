@@ -25,11 +25,17 @@ struct SightedLandmark {
 };
 
 /// Where a track expects the camera.
+///
+/// A track that has stood on one landmark alone of late is no witness for it: it goes where that one takes it. While it
+/// is in view, what decides between it and those that contradict it is what was known before.
 struct WorldPrior {
   WorldFromCamera T_world_camera;
   PoseCovariance covariance = PoseCovariance::Zero();  ///< of a PoseStep [m^2, m rad, rad^2]
   /// Odds that the camera is elsewhere altogether, 0..1: a track whose own readings are open decides no more than that.
   double ambiguity = 0;
+  std::optional<std::size_t> stands_on = {};  ///< index into the map's landmarks(); none: it stands on several
+  std::optional<std::size_t> doubted = {};    ///< index of a sighting that contradicted it before, and so still does
+  const WorldPrior* without = nullptr;        ///< without that one; null: nothing is known then
 };
 
 /// Whether a pose in the world may be acted on.
@@ -66,6 +72,8 @@ struct WorldPose {
   double ambiguity = 1;                                    ///< odds of all other places of the camera together, 0..1
   InlineVector<SightingVerdict, kMaxSightings> sightings;  ///< in the order in which they were given
   bool agrees_with_prior = true;                           ///< false: there was one, and the landmarks outvoted it
+  bool is_contested = false;  ///< it stands on one landmark that is in view: see WorldPrior
+  double astray = 0;          ///< odds that the prior is right, and all that is seen hangs elsewhere, 0..1; 0: no prior
 
   bool is_valid() const noexcept { return verdict == WorldVerdict::kValid; }
   std::size_t count(SightingUse use) const noexcept {

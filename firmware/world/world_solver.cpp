@@ -7,6 +7,7 @@
 
 #include "base/contract.h"
 #include "world/anonymous.h"
+#include "world/contested_track.h"
 
 namespace ninedot {
 namespace {
@@ -14,6 +15,10 @@ namespace {
 /// Pairs of sightings that are asked whether they agree, in one frame: with 16 in view the seven surest, all with all.
 /// A pair that agrees takes all others in, so that a usual frame asks one; only landmarks that moved make it ask more.
 constexpr int kMaxPairs = 21;
+
+/// Where a contested track decides, each frame weighs the same evidence anew, and the luckiest of many must not name a
+/// landmark for good: only odds so far below those of an answer do. [1]
+constexpr double kSure = 0.01;
 
 Choice coded_choice(const Scene& scene, std::size_t sighting) noexcept { return {*scene.seen()[sighting].coded}; }
 
@@ -30,8 +35,19 @@ int most_used(const HypothesisList& list) noexcept {
 }
 
 /// Places that a track does not foretell are out of the question.
-bool is_known_by_track(const Scene& scene) noexcept {
-  return scene.prior() != nullptr && scene.prior()->ambiguity <= scene.options().max_ambiguity;
+bool is_known_by_track(const Scene& scene, const HypothesisList& list) noexcept {
+  const WorldPrior* prior = scene.prior();
+  if (is_track_contested(scene, list)) prior = prior->without;
+  return prior != nullptr && prior->ambiguity <= scene.options().max_ambiguity;
+}
+
+/// By a track, and by what was known before it stood on one landmark alone.
+bool start_near_priors(const Scene& scene, HypothesisList& list) noexcept {
+  if (scene.prior() == nullptr) return true;
+  bool is_complete = start_near_prior(scene, *scene.prior(), list);
+  if (is_track_contested(scene, list) && scene.prior()->without != nullptr)
+    is_complete &= start_near_prior(scene, *scene.prior()->without, list);
+  return is_complete;
 }
 
 /// Settles all, and drops what is none.
@@ -42,20 +58,26 @@ void settle_all(const Scene& scene, HypothesisList& list) noexcept {
   list.truncate(kept);
 }
 
-/// The likeliest first, and the odds of all other places than its.
-double rank(const Scene& scene, HypothesisList& list) noexcept {
+struct Odds {
+  double others = 0;  ///< of all other places than the likeliest
+  double astray = 0;  ///< of those the odds that all hangs elsewhere
+};
+
+/// The likeliest first.
+Odds rank(const Scene& scene, HypothesisList& list) noexcept {
   std::ranges::sort(list, {}, &Hypothesis::cost);
   const Hypothesis& best = list[0];
-  double others = 0;
+  double others = 0, astray = 0;
   for (std::size_t i = 1; i < list.size(); ++i)
     if (!is_same_place(best, list[i].T_world_camera)) others += std::exp((best.cost - list[i].cost) / 2);
   // A track that contradicts all that is seen may be right: then all of it hangs elsewhere.
   if (scene.prior() != nullptr) {
     double nothing = 0;
     for (std::size_t i = 0; i < scene.seen().size(); ++i) nothing += scene.leave_out_cost(i);
-    others += std::exp((best.cost - nothing) / 2);
+    astray = std::exp((best.cost - nothing) / 2);
   }
-  return others / (1 + others);
+  const double all = 1 + others + astray;
+  return {(others + astray) / all, astray / all};
 }
 
 /// What becomes of a sighting where no place of the camera is found.
@@ -106,6 +128,7 @@ WorldPose WorldSolver::solve(std::span<const SightedLandmark> seen, const WorldP
   start_from_coded(scene);
   const bool is_complete = add_anonymous(scene);
   settle_all(scene, hypotheses_);
+  if (is_track_contested(scene, hypotheses_)) weigh_without_track(scene, hypotheses_);
   return answer(scene, is_complete);
 }
 
@@ -128,12 +151,12 @@ bool WorldSolver::add_anonymous(const Scene& scene) noexcept {
   }
   // One that all others contradict may be the one that was moved: a black-and-white one alone has too many places to
   // try them all.
-  return is_complete && (known == 0 || most_used(hypotheses_) > 1 || is_known_by_track(scene));
+  return is_complete && (known == 0 || most_used(hypotheses_) > 1 || is_known_by_track(scene, hypotheses_));
 }
 
 bool WorldSolver::start_without_coded(const Scene& scene, int sighted, HypothesisList& list) noexcept {
   if (map_.anonymous().size() == 1) return start_with_the_only_one(scene, list);
-  const bool is_near_complete = scene.prior() == nullptr || start_near_prior(scene, list);
+  const bool is_near_complete = start_near_priors(scene, list);
   if (is_near_complete && 2 * most_used(list) > sighted) return true;
   // Without a track, or with one that does not explain what is seen: by the sheets' places among each other.
   pairs_.clear();
@@ -176,14 +199,17 @@ WorldPose WorldSolver::answer(const Scene& scene, bool is_complete) noexcept {
     pose.verdict = why_none(scene);
     return pose;
   }
-  pose.ambiguity = is_complete ? rank(scene, hypotheses_) : 1;
+  const Odds odds = rank(scene, hypotheses_);
+  pose.ambiguity = is_complete ? odds.others : 1;
+  pose.astray = odds.astray;
   const Hypothesis& best = hypotheses_[0];
   pose.T_world_camera = best.T_world_camera;
   pose.covariance = best.normal.llt().solve(PoseInformation::Identity());
   pose.agrees_with_prior = best.agrees_with_prior;
+  pose.is_contested = is_track_contested(scene, hypotheses_);
   pose.verdict = pose.ambiguity <= options_.max_ambiguity ? WorldVerdict::kValid : WorldVerdict::kAmbiguous;
   for (std::size_t i = 0; i < scene.seen().size(); ++i) pose.sightings[i] = verdict_in(scene, i, best);
-  if (pose.is_valid()) remember(pose);
+  if (pose.is_valid() && (!pose.is_contested || pose.ambiguity <= kSure * options_.max_ambiguity)) remember(pose);
   return pose;
 }
 

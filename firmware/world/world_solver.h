@@ -33,6 +33,7 @@ class WorldSolver {
   /// Remembers which landmarks were found moved.
   WorldPose solve(std::span<const SightedLandmark> seen, const WorldPrior* prior = nullptr) noexcept;
 
+  double max_ambiguity() const noexcept { return options_.max_ambiguity; }  ///< above it a pose is not valid, 0..1
   const MovedLandmarks& moved() const noexcept { return moved_; }
   /// Whether a landmark was found moved stays known where it hangs unchanged in another map. \param before  the other
   /// map's \param landmark_before, landmark  index there and here [1]
