@@ -88,21 +88,21 @@ double Scene::cost_of_leaving_out(std::size_t sighting) const noexcept {
   if (!determines_pose(sighting)) return 0;
   if (is_anonymous(sighting)) return options_.max_disagreement_chi2;
   if (!is_known(sighting)) return 0;
-  const double elsewhere = -2 * std::log(seen_[sighting].others_odds) + cost_of_chance(sighting);
+  // Without a track it pays at least what the right one's noise costs on average.
+  const double chance = prior_ != nullptr ? cost_of_chance(sighting, *prior_) : kFreedoms;
+  const double elsewhere = -2 * std::log(seen_[sighting].others_odds) + chance;
   return std::min(options_.max_disagreement_chi2, elsewhere);
 }
 
 /// A sheet that hangs elsewhere meets by chance alone the place that a track foretells: the less likely, the better
-/// that is known, 1 over (the normalising constant of the Gaussian) of the volume where it could be. Without a track it
-/// pays at least what the right one's noise costs on average.
-double Scene::cost_of_chance(std::size_t sighting) const noexcept {
-  if (prior_ == nullptr) return kFreedoms;
+/// that is known, 1 over (the normalising constant of the Gaussian) of the volume where it could be.
+double Scene::cost_of_chance(std::size_t sighting, const WorldPrior& prior) const noexcept {
   PoseCovariance own = own_[sighting].normal.llt().solve(PoseInformation::Identity());
   const Eigen::Matrix3d& R = map_[*seen_[sighting].coded].T_world_landmark.rotation;
   own.topLeftCorner<3, 3>() = (R * own.topLeftCorner<3, 3>() * R.transpose()).eval();
   own.topRightCorner<3, 3>() = (R * own.topRightCorner<3, 3>()).eval();
   own.bottomLeftCorner<3, 3>() = own.topRightCorner<3, 3>().transpose();
-  const Eigen::LLT<PoseCovariance> spread(prior_->covariance + own);
+  const Eigen::LLT<PoseCovariance> spread(prior.covariance + own);
   if (spread.info() != Eigen::Success) return kFreedoms;
   const double log_det = 2 * spread.matrixLLT().diagonal().array().log().sum();
   const double log_volume = kFreedoms * std::log(2 * std::numbers::pi) + log_det - 2 * std::log(kElsewhere_m3_rad3);

@@ -68,8 +68,13 @@ class Scene {
   bool is_anonymous(std::size_t sighting) const noexcept;
   /// Not found moved.
   bool is_believed(std::size_t landmark) const noexcept { return !moved_.is_moved(landmark); }
+  /// It contradicted another one, and nobody knows which of them was moved.
+  bool is_disputed(std::size_t landmark) const noexcept { return moved_.is_disputed(landmark); }
   /// What a hypothesis pays for leaving it out [1].
   double leave_out_cost(std::size_t sighting) const noexcept { return leave_out_cost_[sighting]; }
+  /// What speaks against a coded sighting's meeting by chance the place that a prior foretells [1]: the more, the
+  /// better that is known.
+  double cost_of_chance(std::size_t sighting, const WorldPrior& prior) const noexcept;
   /// What speaks against this numbering of a black-and-white sighting's dots [1].
   double numbering_cost(std::size_t sighting, const Choice& choice) const noexcept;
 
@@ -79,7 +84,6 @@ class Scene {
 
  private:
   double cost_of_leaving_out(std::size_t sighting) const noexcept;
-  double cost_of_chance(std::size_t sighting) const noexcept;
 
   std::span<const SightedLandmark> seen_;
   const PreparedMap& map_;

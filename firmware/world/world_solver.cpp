@@ -58,6 +58,20 @@ void settle_all(const Scene& scene, HypothesisList& list) noexcept {
   list.truncate(kept);
 }
 
+/// A landmark in dispute that is seen without any that could contradict it: odds that it is the one which was moved,
+/// against that it is not. Where nothing else is known, it is as likely as the other one. 0: it is in no dispute.
+double odds_of_dispute(const Scene& scene, const HypothesisList& list) noexcept {
+  const Hypothesis& best = list[0];
+  const auto known = [&](std::size_t i) { return scene.is_known(i); };
+  if (best.used != 1 || std::ranges::count_if(scene.by_sureness(), known) != 1) return 0;
+  const std::size_t lone = *std::ranges::find_if(scene.by_sureness(), known);
+  if (!best.choices[lone].is_made() || !scene.is_disputed(best.choices[lone].landmark)) return 0;
+  const WorldPrior* prior = is_track_contested(scene, list) ? scene.prior()->without : scene.prior();
+  if (prior == nullptr) return 1;
+  const double here = cost_by_prior(scene, *prior, prior_chi2(*prior, best));
+  return std::exp((here - cost_by_prior(scene, *prior, scene.cost_of_chance(lone, *prior))) / 2);
+}
+
 struct Odds {
   double others = 0;  ///< of all other places than the likeliest
   double astray = 0;  ///< of those the odds that all hangs elsewhere
@@ -76,6 +90,7 @@ Odds rank(const Scene& scene, HypothesisList& list) noexcept {
     for (std::size_t i = 0; i < scene.seen().size(); ++i) nothing += scene.leave_out_cost(i);
     astray = std::exp((best.cost - nothing) / 2);
   }
+  astray += odds_of_dispute(scene, list);
   const double all = 1 + others + astray;
   return {(others + astray) / all, astray / all};
 }
@@ -209,12 +224,33 @@ WorldPose WorldSolver::answer(const Scene& scene, bool is_complete) noexcept {
   pose.is_contested = is_track_contested(scene, hypotheses_);
   pose.verdict = pose.ambiguity <= options_.max_ambiguity ? WorldVerdict::kValid : WorldVerdict::kAmbiguous;
   for (std::size_t i = 0; i < scene.seen().size(); ++i) pose.sightings[i] = verdict_in(scene, i, best);
-  if (pose.is_valid() && (!pose.is_contested || pose.ambiguity <= kSure * options_.max_ambiguity)) remember(pose);
+  if (!pose.is_valid()) note_disputes(scene);
+  if (pose.is_valid() && (!pose.is_contested || pose.ambiguity <= kSure * options_.max_ambiguity))
+    remember(pose, scene.prior() != nullptr && !pose.is_contested);
   return pose;
 }
 
-void WorldSolver::remember(const WorldPose& pose) noexcept {
+/// Where those whose names are known contradict each other, each alone against each.
+void WorldSolver::note_disputes(const Scene& scene) noexcept {
+  if (most_used(hypotheses_) > 1) return;
+  for (const Hypothesis& hypothesis : hypotheses_) {
+    const auto one = std::ranges::find_if(hypothesis.choices, &Choice::is_made);
+    const auto sighting = static_cast<std::size_t>(one - hypothesis.choices.begin());
+    if (!scene.is_known(sighting)) continue;
+    for (const std::size_t other : scene.by_sureness()) {
+      if (!scene.is_known(other) || scene.seen()[other].coded == scene.seen()[sighting].coded) continue;
+      const double beyond =
+          disagreement_chi2(scene, other, coded_choice(scene, other), hypothesis) - options_.max_disagreement_chi2;
+      if (beyond > 0) moved_.dispute(one->landmark, beyond);
+    }
+  }
+}
+
+/// \param is_by_track  a track agrees that stands on others
+void WorldSolver::remember(const WorldPose& pose, bool is_by_track) noexcept {
   for (const SightingVerdict& sighting : pose.sightings) {
+    if (sighting.use == SightingUse::kUsed && (hypotheses_[0].used > 1 || (is_by_track && pose.agrees_with_prior)))
+      moved_.agrees(*sighting.landmark);
     if (sighting.use != SightingUse::kRejected || !sighting.landmark) continue;
     // Where it hangs it is seen as well: this is its reflection.
     if (uses(hypotheses_[0], *sighting.landmark)) continue;

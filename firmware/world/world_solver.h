@@ -48,7 +48,8 @@ class WorldSolver {
   bool add_anonymous(const Scene& scene) noexcept;
   bool start_without_coded(const Scene& scene, int sighted, HypothesisList& list) noexcept;
   WorldPose answer(const Scene& scene, bool is_complete) noexcept;
-  void remember(const WorldPose& pose) noexcept;
+  void note_disputes(const Scene& scene) noexcept;
+  void remember(const WorldPose& pose, bool is_by_track) noexcept;
 
   PreparedMap map_;
   LandmarkGeometry landmark_;

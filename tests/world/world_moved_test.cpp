@@ -292,6 +292,25 @@ TEST(MovedLandmarks, AreForgivenAfterTheyAgreedForAWhileWithoutABreak) {
   EXPECT_FALSE(moved.is_moved(999));
 }
 
+TEST(MovedLandmarks, AreInDisputeUntilTheyAgreedForAWhileOrAnotherOneIsNamed) {
+  MovedLandmarks moved(3, 2);
+  moved.dispute(0, 500);
+  moved.dispute(1, 500);
+  EXPECT_TRUE(moved.is_disputed(0) && moved.is_disputed(1) && !moved.is_disputed(2));
+  EXPECT_FALSE(moved.is_moved(0));
+  for (int frame = 1; frame < MovedLandmarks::kSettledAfter_frames; ++frame) moved.agrees(0);
+  EXPECT_TRUE(moved.is_disputed(0));
+  moved.agrees(0);
+  EXPECT_TRUE(!moved.is_disputed(0) && moved.is_disputed(1));
+  moved.disagrees(2, 500);
+  EXPECT_FALSE(moved.is_disputed(1)) << "2 it was";
+  moved.dispute(1, 500);
+  moved.disagrees(2, 500);
+  EXPECT_TRUE(moved.is_disputed(1)) << "2 was known";
+  moved.clear();
+  EXPECT_FALSE(moved.is_disputed(1));
+}
+
 /// What disagrees a little more than chance does may be chance.
 TEST(MovedLandmarks, AreForgivenTheSoonerTheLessTheyDisagreed) {
   MovedLandmarks moved(1, 35);
