@@ -106,6 +106,9 @@ class OutlineRefiner {
   bool solve_equations(double nuisance_sigma, Step& step) noexcept;
   bool is_first_of_expectation(int stage) const noexcept;
   bool is_blank() const noexcept;
+  void apply(const Step& step) noexcept;
+  void foretell_fits() noexcept;
+  bool weigh_again(int stage) noexcept;
   /// Of a step's part that moves the pose: in units of the noise, and as a move of the outlines.
   double step_chi2(const Step& step) const noexcept;
   double step_px(const Step& step) const noexcept;
@@ -134,6 +137,7 @@ class OutlineRefiner {
   double tone_share_ = 0;  ///< of the state that refine() began with
   OutlineState state_, linearised_at_;
   UnknownVector last_step_ = UnknownVector::Zero();  // from there
+  UnknownVector moved_ = UnknownVector::Zero();      // by it: blur and tone may have met their limits
   OptimiserStatistics statistics_;
   UnknownMatrix information_ = UnknownMatrix::Zero();
   // The last step's equations without the priors, and by how much chi^2 falls with it.

@@ -1,6 +1,8 @@
 // What the mirror image of a landmark costs that a map and a track have told from it.
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -51,6 +53,27 @@ class Followed {
 /// Both of its readings were fitted to the picture: where one is of the other's places, it has the other's residual.
 bool are_of_the_picture(const PoseCandidates& found) {
   return found.list.size() == 2 && found.list[0].pose.rms_px != found.list[1].pose.rms_px;
+}
+
+/// After a first step whose weights are out of date the second one's are foretold, by equations.
+TEST(FollowInRooms, AStepOfATenthOfAPixelTakesNoThirdLookAtThePicture) {
+  int trials = 0, third_looks = 0;
+  for (double distance_m = 2.5; distance_m < 5; distance_m += 0.25) {
+    Followed landmark({.distance_m = distance_m, .tilt_rad = 0.5, .azimuth_rad = distance_m});
+    ASSERT_TRUE(landmark.was_seen()) << distance_m;
+    CameraFromLandmark aside = landmark.pose();
+    aside.translation_m.x() += 0.1 * distance_m / CameraModel{}.fx_px;
+    const auto from_aside = landmark.follow(aside, aside, true);
+    const int pixels = landmark.pixels;
+    const auto at_once = landmark.follow(landmark.pose(), landmark.pose(), true);  // one look
+    ASSERT_TRUE(from_aside.has_value() && at_once.has_value()) << distance_m;
+    const PoseEstimate &a = from_aside->list[0].pose, &b = at_once->list[0].pose;
+    const Eigen::Vector3d apart_m = a.T_landmark_camera.translation_m - b.T_landmark_camera.translation_m;
+    EXPECT_LT(std::sqrt(apart_m.dot(b.covariance.topLeftCorner<3, 3>().inverse() * apart_m)), 0.3) << distance_m;
+    ++trials;
+    third_looks += pixels > 2.4 * landmark.pixels ? 1 : 0;
+  }
+  EXPECT_LE(third_looks, trials / 3);
 }
 
 TEST(FollowInRooms, WhereTheSideIsSettledTheMirrorImageTakesNoPixels) {
