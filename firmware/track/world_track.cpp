@@ -7,6 +7,10 @@
 namespace ninedot {
 namespace {
 
+/// From one frame to the next a sheet moves before the camera by no more than this share of its distance: what
+/// RoomLocaliser allows one that it has lost.
+constexpr double kSamePlace = 0.1;
+
 bool shows(const WorldPose& world, std::size_t landmark) noexcept {
   return std::ranges::any_of(world.sightings, [&](const SightingVerdict& verdict) {
     return verdict.use == SightingUse::kUsed && verdict.landmark == landmark;
@@ -44,8 +48,14 @@ WorldPose WorldTrack::place(MonoTime exposed_at, std::span<const SightedLandmark
 
 /// \return  index of the sighting that is in doubt [1]
 std::optional<std::size_t> WorldTrack::doubted_in(std::span<const SightedLandmark> seen) const noexcept {
-  const auto at =
-      std::ranges::find_if(seen, [&](const SightedLandmark& s) { return doubted_ && s.coded == *doubted_; });
+  if (!doubted_) return std::nullopt;
+  // A black-and-white one is the one that is where it was.
+  const double reach_m = kSamePlace * doubted_->p9_camera_m.norm();
+  const auto at = std::ranges::find_if(seen, [&](const SightedLandmark& sighted) {
+    return sighted.coded == doubted_->coded &&
+           (sighted.coded ||
+            (sighted.sighting.T_camera_landmark.translation_m - doubted_->p9_camera_m).norm() < reach_m);
+  });
   if (at == seen.end()) return std::nullopt;
   return static_cast<std::size_t>(at - seen.begin());
 }
@@ -53,14 +63,17 @@ std::optional<std::size_t> WorldTrack::doubted_in(std::span<const SightedLandmar
 /// A track that is not fed knows less from frame to frame; what contradicted it does not become true by that.
 void WorldTrack::note_doubt(std::span<const SightedLandmark> seen, const WorldPose& world) noexcept {
   const auto is_used = [&](std::size_t i) { return world.sightings[i].use == SightingUse::kUsed; };
-  const std::optional<std::size_t> before = doubted_in(seen);
-  if (before && world.is_valid() && is_used(*before)) doubted_.reset();
-  // Of a black-and-white one that is not alone, or was out of sight, nobody knows which one it is.
-  if (doubted_ && !doubted_->has_value() && seen.size() != 1) doubted_.reset();
+  if (const std::optional<std::size_t> at = doubted_in(seen)) {
+    doubted_->p9_camera_m = seen[*at].sighting.T_camera_landmark.translation_m;
+    if (world.is_valid() && is_used(*at)) doubted_.reset();
+  } else if (doubted_ && !doubted_->coded) {
+    doubted_.reset();  // out of sight nobody knows which one it is
+  }
   if (seen.size() != 1 || world.verdict != WorldVerdict::kAmbiguous) return;
   const std::optional<std::size_t>& coded = seen[0].coded;
   const bool is_watched = coded && std::ranges::find(stands_on_, *coded) != stands_on_.end();
-  if (!is_watched && !(is_used(0) && world.agrees_with_prior)) doubted_ = coded;
+  if (!is_watched && !(is_used(0) && world.agrees_with_prior))
+    doubted_ = Doubted{coded, seen[0].sighting.T_camera_landmark.translation_m};
 }
 
 void WorldTrack::reset() noexcept {

@@ -56,8 +56,12 @@ class WorldTrack {
   LoneStand stand_;
   InlineVector<std::size_t, kMaxSightings> stands_on_;  // landmarks of the newest frame that entered the track
   UsedSightings used_;
-  /// In view alone it was not where the track lets expect it: SightedLandmark::coded.
-  std::optional<std::optional<std::size_t>> doubted_;
+  /// In view alone it was not where the track lets expect it.
+  struct Doubted {
+    std::optional<std::size_t> coded;  // see SightedLandmark
+    Eigen::Vector3d p9_camera_m;       // where it was last
+  };
+  std::optional<Doubted> doubted_;
   InlineVector<WorldReading, PoseFilter::kMaxReadings> readings_;  // of the newest frame that was offered to the track
   FilterVerdict verdict_ = FilterVerdict::kNothing;
 };
