@@ -113,6 +113,29 @@ TEST(WorldMoved, TwoThatContradictEachOtherAreNoAnswerUnlessTheTrackDecides) {
   EXPECT_GE(decided, kTrials * 95 / 100);
 }
 
+/// It goes where that one takes it. What was known without it decides, where it can.
+TEST(WorldMoved, ATrackThatStandsOnOneOfTwoThatContradictEachOtherIsNoWitness) {
+  Random random(26);
+  constexpr int kTrials = 500;
+  int open = 0, decided = 0, wrong = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Room room = test::random_room(random, {.landmarks = 2, .farthest_m = 4});
+    const auto seen = sightings_with_moved(random, room, 0);
+    const WorldFromLandmark& place = room.map[0].T_world_landmark;
+    WorldPrior prior = scattered_prior(random, place * (test::moved_sheet(place).inverse() * room.T_world_camera));
+    prior.stands_on = 0;
+    open += WorldSolver(room.map, {}).solve(seen, &prior).verdict == WorldVerdict::kAmbiguous ? 1 : 0;
+    const WorldPrior without = scattered_prior(random, room.T_world_camera);
+    prior.without = &without;
+    const WorldPose pose = WorldSolver(room.map, {}).solve(seen, &prior);
+    decided += pose.is_valid() && pose.sightings[0].use == SightingUse::kRejected ? 1 : 0;
+    wrong += pose.is_valid() && test::nees(pose, room.T_world_camera) > 40 ? 1 : 0;
+  }
+  EXPECT_GE(open, kTrials * 99 / 100);
+  EXPECT_GE(decided, kTrials * 95 / 100);
+  EXPECT_LE(wrong, kTrials / 100);
+}
+
 /// One is known by its colours, the others by where they are.
 Room mixed_room(Random& random, int black_and_white) {
   Room room = test::random_room(random, {.landmarks = 1 + black_and_white, .farthest_m = 4});
