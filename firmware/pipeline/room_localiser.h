@@ -66,7 +66,7 @@ class RoomLocaliser final : public FrameProcessor {
   void add_calibration_error(WorldPose& world) noexcept;
   void learn_row_time(const WorldPose& world, std::span<const SightedLandmark> sighted,
                       std::span<const std::size_t> which) noexcept;
-  void note_carriers(const WorldPose& world) noexcept;
+  void note_carriers() noexcept;
   void believe_world(InView& landmark, std::size_t map_index, std::size_t turn, const WorldPose& world) noexcept;
   void add_fix(const InView& landmark, std::size_t map_index, const SightingVerdict& verdict,
                const WorldPose& world) noexcept;

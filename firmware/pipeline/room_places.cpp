@@ -59,7 +59,7 @@ WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
   }
   WorldPose world = track_.place(frame.exposed_at(), sighted.span(), room_->map, room_->world);
   fix_.track = track_.at(frame.exposed_at());
-  note_carriers(world);
+  note_carriers();
   double nearest_m = std::numeric_limits<double>::infinity();
   for (const SightedLandmark& seen : sighted)
     nearest_m = std::min(nearest_m, seen.sighting.T_camera_landmark.translation_m.norm());
@@ -107,13 +107,10 @@ void RoomLocaliser::add_calibration_error(WorldPose& world) noexcept {
   if (fix_.track) fix_.track->covariance.topLeftCorner<6, 6>() += calibration_share_;
 }
 
-/// What the track stands on.
-void RoomLocaliser::note_carriers(const WorldPose& world) noexcept {
-  const FilterVerdict verdict = track_.verdict();
-  if (verdict == FilterVerdict::kStarted) std::ranges::fill(room_->carries_track, std::uint8_t{0});
-  if (verdict != FilterVerdict::kStarted && verdict != FilterVerdict::kTaken) return;
-  for (const SightingVerdict& sighting : world.sightings)
-    if (sighting.use == SightingUse::kUsed && sighting.landmark) room_->carries_track[*sighting.landmark] = 1;
+/// What the track stands on, since it began.
+void RoomLocaliser::note_carriers() noexcept {
+  if (track_.verdict() == FilterVerdict::kStarted) std::ranges::fill(room_->carries_track, std::uint8_t{0});
+  for (const std::size_t landmark : track_.newest_landmarks()) room_->carries_track[landmark] = 1;
 }
 
 /// What the picture says of each landmark, and of the camera in the world.

@@ -11,12 +11,6 @@ namespace {
 /// RoomLocaliser allows one that it has lost.
 constexpr double kSamePlace = 0.1;
 
-bool shows(const WorldPose& world, std::size_t landmark) noexcept {
-  return std::ranges::any_of(world.sightings, [&](const SightingVerdict& verdict) {
-    return verdict.use == SightingUse::kUsed && verdict.landmark == landmark;
-  });
-}
-
 }  // namespace
 
 WorldPose WorldTrack::place(MonoTime exposed_at, std::span<const SightedLandmark> seen, const LandmarkMap& map,
@@ -38,12 +32,13 @@ WorldPose WorldTrack::place(MonoTime exposed_at, std::span<const SightedLandmark
   number(world, seen, map);
   verdict_ = FilterVerdict::kNothing;
   if (may_enter(world, seen, solver.max_ambiguity())) follow(exposed_at, world, seen, map);
-  if (verdict_ == FilterVerdict::kStarted || verdict_ == FilterVerdict::kTaken) {
-    // Against the one that the track stood on decided what was known without that.
-    const bool is_against = world.is_contested && !shows(world, *prior.stands_on);
-    note_stand(exposed_at, world, is_against ? prior.without : verdict_ == FilterVerdict::kTaken ? &prior : nullptr);
-  }
+  if (verdict_ == FilterVerdict::kStarted || verdict_ == FilterVerdict::kTaken) note_stand(exposed_at, world, prior);
   return world;
+}
+
+/// \return  whether the track stands on that landmark
+bool WorldTrack::stands_on(std::size_t landmark) const noexcept {
+  return std::ranges::find(stands_on_, landmark) != stands_on_.end();
 }
 
 /// \return  index of the sighting that is in doubt [1]
@@ -71,7 +66,7 @@ void WorldTrack::note_doubt(std::span<const SightedLandmark> seen, const WorldPo
   }
   if (seen.size() != 1 || world.verdict != WorldVerdict::kAmbiguous) return;
   const std::optional<std::size_t>& coded = seen[0].coded;
-  const bool is_watched = coded && std::ranges::find(stands_on_, *coded) != stands_on_.end();
+  const bool is_watched = coded && stands_on(*coded);
   if (!is_watched && !(is_used(0) && world.agrees_with_prior))
     doubted_ = Doubted{coded, seen[0].sighting.T_camera_landmark.translation_m};
 }
@@ -87,10 +82,13 @@ void WorldTrack::forget_landmarks() noexcept {
   doubted_.reset();
 }
 
-void WorldTrack::note_stand(MonoTime exposed_at, const WorldPose& world, const WorldPrior* before) noexcept {
+void WorldTrack::note_stand(MonoTime exposed_at, const WorldPose& world, const WorldPrior& prior) noexcept {
   stands_on_.clear();
   for (const SightingVerdict& verdict : world.sightings)
     if (verdict.use == SightingUse::kUsed && verdict.landmark) (void)stands_on_.try_push_back(*verdict.landmark);
+  // Against the one that the track stood on decided what was known without that.
+  const bool is_against = world.is_contested && !stands_on(*prior.stands_on);
+  const WorldPrior* before = is_against ? prior.without : verdict_ == FilterVerdict::kTaken ? &prior : nullptr;
   // Where its mirror image is open the track says which of the two it is.
   const Eigen::Vector3d at_m = filter_.forecast(exposed_at)->T_world_camera.translation_m;  // it has this frame
   const WorldReading& seen = *std::ranges::min_element(readings_, {}, [&](const WorldReading& reading) {
@@ -123,7 +121,7 @@ bool WorldTrack::may_enter(const WorldPose& world, std::span<const SightedLandma
   if (used_.members.empty()) return false;
   if (world.is_valid()) return true;
   if (world.verdict != WorldVerdict::kAmbiguous || seen.size() != 1 || !seen[0].coded) return false;
-  return world.astray <= max_ambiguity || std::ranges::find(stands_on_, *seen[0].coded) != stands_on_.end();
+  return world.astray <= max_ambiguity || stands_on(*seen[0].coded);
 }
 
 void WorldTrack::follow(MonoTime exposed_at, const WorldPose& world, std::span<const SightedLandmark> seen,

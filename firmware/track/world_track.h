@@ -36,6 +36,8 @@ class WorldTrack {
   /// What the newest place is made of, and what became of it in the track: until the next one.
   const UsedSightings& used() const noexcept { return used_; }
   FilterVerdict verdict() const noexcept { return verdict_; }
+  /// The landmarks of the newest picture that entered the track, by index [1].
+  std::span<const std::size_t> newest_landmarks() const noexcept { return stands_on_.span(); }
 
   std::optional<TrackedPose> at(MonoTime time) const noexcept { return filter_.at(time); }  ///< see PoseFilter
   std::optional<PoseFilter::Forecast> forecast(MonoTime time) const noexcept { return filter_.forecast(time); }
@@ -45,12 +47,13 @@ class WorldTrack {
 
  private:
   void number(const WorldPose& world, std::span<const SightedLandmark> seen, const LandmarkMap& map) noexcept;
+  bool stands_on(std::size_t landmark) const noexcept;
   std::optional<std::size_t> doubted_in(std::span<const SightedLandmark> seen) const noexcept;
   void note_doubt(std::span<const SightedLandmark> seen, const WorldPose& world) noexcept;
   bool may_enter(const WorldPose& world, std::span<const SightedLandmark> seen, double max_ambiguity) const noexcept;
   void follow(MonoTime exposed_at, const WorldPose& world, std::span<const SightedLandmark> seen,
               const LandmarkMap& map) noexcept;
-  void note_stand(MonoTime exposed_at, const WorldPose& world, const WorldPrior* before) noexcept;
+  void note_stand(MonoTime exposed_at, const WorldPose& world, const WorldPrior& prior) noexcept;
 
   PoseFilter filter_;
   LoneStand stand_;

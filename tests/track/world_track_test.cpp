@@ -180,7 +180,7 @@ TEST_P(WorldTrackOf, OneThatWasMovedAndIsSeenFirstDoesNotOutvoteThoseThatComeAft
   const Tally& after = outcome.stretches[kAfter];
   EXPECT_LE(after.wrong, 0.005 * after.frames);
   EXPECT_GE(after.valid, (coded() ? 0.98 : 0.85) * after.frames);
-  EXPECT_LE(outcome.wrongly_named, 2);  // of 300
+  EXPECT_LE(outcome.wrongly_named, 2);  // of 200
 }
 
 INSTANTIATE_TEST_SUITE_P(, WorldTrackOf, ::testing::Values(true, false),
