@@ -181,7 +181,9 @@ void RoomLocaliser::look_where_expected(const Frame& frame) noexcept {
           px.y() < lens_->seeker.camera().height_px))
       continue;
     const LandmarkForecast expected(T);
-    if (is_known(expected.H_ray_plane)) continue;
+    // What a search came upon may be nobody yet, its colours too small to say who: the map says who should be there.
+    const InView* there = in_view_at(expected.H_ray_plane);
+    if (there != nullptr && (is_black_and_white(landmark.code) || !is_stranger(*there))) continue;
     const double usable = std::max(kUsableOfRing * 2 * options_.seeker.landmark.ring_radius_m / p_m.norm(),
                                    kUsable_px / lens_->seeker.camera().fx_px);
     if (!(foretold_ray_sigma(forecast->T_world_camera, forecast->covariance, landmark.T_world_landmark,
@@ -207,11 +209,15 @@ bool RoomLocaliser::begin_where_expected(const Frame& frame, const CameraFromLan
   Result<std::size_t> chosen = fail(Errc::kNoLandmark, "there is nothing yet");
   const LandmarkForecast there(T_camera_landmark, is_coded ? ForecastNumbers::kCertain : ForecastNumbers::kForetold);
   if (const auto seen = lens_->seeker.detector().find_landmark_near(frame.luma, there, lens_->seeker.budget())) {
-    if (is_known(seen->H_ray_plane)) return false;
+    if (const InView* known = in_view_at(seen->H_ray_plane); known != nullptr && !is_stranger(*known)) return false;
     chosen = lens_->seeker.solve_guess(frame, *seen, landmark.track);
   }
   if (!chosen) chosen = lens_->seeker.look_at(frame, T_camera_landmark, landmark.track);
   if (!chosen) return false;
+  if (InView* stranger = in_view_at(there.H_ray_plane)) {
+    *stranger = in_view_[in_view_.size() - 1];
+    in_view_.pop_back();
+  }
   take_found(landmark, *chosen);
   (void)in_view_.try_push_back(landmark);
   return true;
@@ -226,7 +232,7 @@ void RoomLocaliser::look_everywhere(const Frame& frame) noexcept {
   frames_since_search_ = 0;
   const auto begin = [&](std::span<const LandmarkObservation> found) {
     for (const LandmarkObservation& seen : found)
-      if (!is_known(seen.H_ray_plane) && !go_on_elsewhere(frame, seen)) (void)begin_to_follow(frame, seen);
+      if (in_view_at(seen.H_ray_plane) == nullptr && !go_on_elsewhere(frame, seen)) (void)begin_to_follow(frame, seen);
   };
   if (const auto found = lens_->seeker.detector().find_all_landmarks(frame.luma, lens_->seeker.budget())) begin(*found);
   if (!in_view_.empty()) return;
@@ -235,15 +241,19 @@ void RoomLocaliser::look_everywhere(const Frame& frame) noexcept {
   has_search_failed_ = in_view_.empty();
 }
 
-/// Whether a landmark there is in view already: its middle lies within the ring of one that is. Sheets don't overlap.
-bool RoomLocaliser::is_known(const Eigen::Matrix3d& H_ray_plane) const noexcept {
+/// The landmark in view there: the middle lies within its ring. Sheets don't overlap. Null: none.
+RoomLocaliser::InView* RoomLocaliser::in_view_at(const Eigen::Matrix3d& H_ray_plane) noexcept {
   const Eigen::Vector2d middle = H_ray_plane.col(2).hnormalized();
-  return std::ranges::any_of(in_view_, [&](const InView& landmark) {
+  const auto at = std::ranges::find_if(in_view_, [&](const InView& landmark) {
     const PoseEstimate& pose = landmark.candidates.list[landmark.chosen].pose;
     const Eigen::Vector3d p_m = pose.T_landmark_camera.inverse().translation_m;
     return (p_m.hnormalized() - middle).norm() < options_.seeker.landmark.ring_radius_m / p_m.z();
   });
+  return at != in_view_.end() ? &*at : nullptr;
 }
+
+/// Nobody knows who it is, nor who it should be.
+bool RoomLocaliser::is_stranger(const InView& landmark) noexcept { return !landmark.identity && !landmark.expected; }
 
 bool RoomLocaliser::begin_to_follow(const Frame& frame, const LandmarkObservation& seen) noexcept {
   if (in_view_.full()) return false;

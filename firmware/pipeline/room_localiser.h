@@ -70,7 +70,8 @@ class RoomLocaliser final : public FrameProcessor {
   void believe_world(InView& landmark, std::size_t map_index, std::size_t turn, const WorldPose& world) noexcept;
   void add_fix(const InView& landmark, std::size_t map_index, const SightingVerdict& verdict,
                const WorldPose& world) noexcept;
-  bool is_known(const Eigen::Matrix3d& H_ray_plane) const noexcept;
+  InView* in_view_at(const Eigen::Matrix3d& H_ray_plane) noexcept;
+  static bool is_stranger(const InView& landmark) noexcept;
 
   const LocaliserOptions options_;
   LensInUse lens_;

@@ -275,6 +275,22 @@ TEST(RoomLocaliser, SearchesOnWhileWhatIsInViewDoesNotTellWhereTheCameraIs) {
   EXPECT_EQ(fix.world->used.size(), 3U);
 }
 
+/// A search came upon it while the map had it looked for in every other frame only. Grey frames tell no colours.
+TEST(RoomLocaliser, KnowsByItsPlaceWhomASearchCameUpon) {
+  const auto map = LandmarkMap({mapped({11, 0.5, 0}, "KRGBKKRB"), mapped({12, 0, 0}), mapped({13, -0.6, 0.1})});
+  const test::ColourPicture two = coded_picture("KKKKKKKK", kFromAside, 3, {{13, -0.6, 0.1}});
+  const test::ColourPicture all = coded_picture("KKKKKKKK", kFromAside, 4, {{13, -0.6, 0.1}, {11, 0.5, 0}});
+  RoomLocaliser unit(CameraModel{}, {.row_time = 0ns, .map = map, .search_every = 1});
+  ASSERT_TRUE(unit.process(frame_of(two, 1)).world);
+  for (std::uint64_t number = 2; number < 4; ++number)
+    ASSERT_EQ(unit.process(frame_of(two, number)).landmarks.size(), 2U);
+  ASSERT_EQ(unit.process(frame_of(all.luma, 4)).landmarks.size(), 2U) << "or this tests nothing";
+  unit.process(frame_of(all.luma, 5));
+  const Fix& fix = unit.process(frame_of(all.luma, 6));
+  ASSERT_TRUE(fix.world);
+  EXPECT_EQ(fix.world->used.size(), 3U);
+}
+
 /// In the same place, from one frame to the next.
 TEST(RoomLocaliser, NamesAnewASheetThatWasPutInThePlaceOfAnother) {
   test::Viewpoint viewpoint = kFromAside;
