@@ -184,6 +184,9 @@ void put_others(Writer& out, const WireReport& report) noexcept {
   out.put<reg::kLandmarksSeen>(report.landmarks_seen);
   out.put<reg::kLandmarksRejected>(report.landmarks_rejected);
   out.put<reg::kLastRejectedId>(report.last_rejected_id);
+  out.put<reg::kLandmarksDisputed>(report.landmarks_disputed);
+  out.put<reg::kDisputedId>(report.disputed_ids[0]);
+  out.put<reg::kDisputedId, 1>(report.disputed_ids[1]);
   out.put<reg::kHeadState>(static_cast<double>(report.head_state));
 }
 

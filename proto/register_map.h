@@ -27,7 +27,7 @@ inline constexpr std::size_t kBoardSerialLength = 16;
 
 /// Every address has an entry. From here on: exception 02. One request of 125 registers (the protocol's limit) reads
 /// all but the angles, who the device is, and its servos.
-inline constexpr std::size_t kRegisterCount = 164;
+inline constexpr std::size_t kRegisterCount = 167;
 
 // The map without the metrics, which have their own table.
 // clang-format off
@@ -127,6 +127,9 @@ inline constexpr auto kOwnRegisters = [] {
   {156, "board_serial_6",      kU16,       1,      "",     0,        kU16Max, kRead, "the same, characters 11 and 12"},
   {157, "board_serial_7",      kU16,       1,      "",     0,        kU16Max, kRead, "the same, characters 13 and 14"},
   {158, "board_serial_8",      kU16,       1,      "",     0,        kU16Max, kRead, "the same, characters 15 and 16"},
+  {164, "landmarks_disputed",  kU16,       1,      "",     0,        kU16Max, kRead, "landmarks of the map that contradict each other, with nothing that says which of them hangs elsewhere: none of them places the camera alone"},
+  {165, "disputed_id_1",       kU16,       1,      "",     0,        kU16Max, kRead, "one of these; 65535: none"},
+  {166, "disputed_id_2",       kU16,       1,      "",     0,        kU16Max, kRead, "another one; 65535: none"},
   });
 }();
 // clang-format on
@@ -214,6 +217,8 @@ NINEDOT_REGISTER(kRivalOdds, "rival_odds");
 NINEDOT_REGISTER(kLandmarksSeen, "landmarks_seen");
 NINEDOT_REGISTER(kLandmarksRejected, "landmarks_rejected");
 NINEDOT_REGISTER(kLastRejectedId, "last_rejected_id");
+NINEDOT_REGISTER(kLandmarksDisputed, "landmarks_disputed");
+NINEDOT_REGISTER(kDisputedId, "disputed_id_1");
 NINEDOT_REGISTER(kPoseContent, "pose_content");
 NINEDOT_REGISTER(kEulerConvention, "euler_convention");
 NINEDOT_REGISTER(kAngle32, "angle_1_32");

@@ -71,6 +71,8 @@ struct WireReport {
   WirePose rival_in_landmark, rival;  ///< its camera; what the registers carry
   std::uint16_t landmarks_seen = 0, landmarks_rejected = 0;  ///< in the newest frame
   std::uint16_t last_rejected_id = 65535;                    ///< 65535: none since the start
+  std::uint16_t landmarks_disputed = 0;                      ///< that contradict each other, undecided
+  std::array<std::uint16_t, 2> disputed_ids{65535, 65535};   ///< two of them; 65535: none
   double rms_px = kUnknown;
   std::uint16_t dots_used = 0, occlusion_level = 0;
   double swing_psi_deg = kUnknown, tilt_phi_deg = kUnknown, pan_theta_deg = kUnknown;

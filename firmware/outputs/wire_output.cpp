@@ -107,6 +107,8 @@ WireReport wire_report(const Report& report, const PoseOutput& output) noexcept 
   wire.landmarks_seen = report.landmarks_seen;
   wire.landmarks_rejected = report.landmarks_rejected;
   wire.last_rejected_id = report.last_rejected_id;
+  wire.landmarks_disputed = report.landmarks_disputed;
+  wire.disputed_ids = report.disputed_ids;
   if (report.has_pose) fill_pose(report, wire);
   if (report.has_pose) fill_chosen(chosen, wire);
   wire.has_head = report.head.present;

@@ -60,6 +60,9 @@ struct Fix {
   /// Ids of those in view that do not hang where the map says: found so in this frame, or before, whether `world` is
   /// there or not.
   InlineVector<std::uint16_t, kMaxLandmarksInView> rejected;
+  /// Ids of those of the map, in view or not, that contradict each other, with nothing that says which of them hangs
+  /// elsewhere; more than these are not told.
+  InlineVector<std::uint16_t, kMaxLandmarksInView> disputed;
   std::optional<WorldFix> world;     ///< none: not valid, or no landmark in view has a place in the world
   std::optional<TrackedPose> track;  ///< by this and all frames before; none: nothing is known of it any more
   RowTime row_time;                  ///< that the frame's rows were taken for

@@ -114,6 +114,9 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix, con
   report.landmarks_seen = static_cast<std::uint16_t>(fix.landmarks.size());
   report.landmarks_rejected = static_cast<std::uint16_t>(fix.rejected.size());
   if (report.landmarks_rejected > 0) report.last_rejected_id = fix.rejected[report.landmarks_rejected - 1U];
+  report.landmarks_disputed = static_cast<std::uint16_t>(fix.disputed.size());
+  for (std::size_t i = 0; i < report.disputed_ids.size(); ++i)
+    report.disputed_ids[i] = i < fix.disputed.size() ? fix.disputed[i] : Report{}.disputed_ids[i];
   report.found = fix.found;
   report.tracking = fix.tracked;
   report.process_time = fix.process_time;

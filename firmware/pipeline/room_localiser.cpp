@@ -26,6 +26,8 @@ constexpr WorkBudget kRoomBudget{.regions = 4500, .guesses = 200, .second_guesse
 constexpr int kLooksPerFrame = 3;  // where the map lets expect landmarks; each costs a window of the picture
 // A landmark that is not where it should be (somebody stands before it) is looked for there after 1, 2, 4 .. frames.
 constexpr int kMostMissed = 6;
+// The first times all of the picture is searched: it may hang beside its place. Those that walls hide cost no more.
+constexpr int kSearchedFor = 3;
 // The camera's place foretells a landmark to what the window around it allows for, 1-sigma: so much of the ring's
 // diameter, and for distant ones so many pixels (detect/search_area.cpp).
 constexpr double kUsableOfRing = 0.3, kUsable_px = 16;
@@ -194,6 +196,7 @@ void RoomLocaliser::look_where_expected(const Frame& frame) noexcept {
     room_->missed[i] =
         is_new ? std::uint8_t{0} : static_cast<std::uint8_t>(std::min(room_->missed[i] + 1, kMostMissed));
     room_->wait[i] = is_new ? std::uint8_t{0} : static_cast<std::uint8_t>(1U << room_->missed[i]);
+    if (!is_new && room_->missed[i] <= kSearchedFor) frames_since_search_ = options_.search_every;
   }
 }
 
@@ -353,6 +356,7 @@ const Fix& RoomLocaliser::process(const Frame& frame) noexcept {
   has_search_failed_ = false;
   fix_.world.reset();
   fix_.rejected.clear();
+  fix_.disputed.clear();
   fix_.calibrated = options_.calibrated;
   fix_.solver = options_.seeker.solver;
   const LensInUse::Fit lens = lens_.fit_to(frame);

@@ -63,6 +63,7 @@ class RoomLocaliser final : public FrameProcessor {
   WorldVerdict place_in_world(const Frame& frame) noexcept;
   void report_world(const WorldPose& world, std::span<const SightedLandmark> sighted,
                     std::span<const std::size_t> which) noexcept;
+  void tell_disputes() noexcept;
   void add_calibration_error(WorldPose& world) noexcept;
   void learn_row_time(const WorldPose& world, std::span<const SightedLandmark> sighted,
                       std::span<const std::size_t> which) noexcept;

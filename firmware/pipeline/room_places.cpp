@@ -67,7 +67,16 @@ WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
   add_calibration_error(world);
   if (world.is_valid() && !is_certain(world, nearest_m, options_.trust)) world.verdict = WorldVerdict::kUndetermined;
   report_world(world, sighted.span(), which.span());
+  tell_disputes();
   return world.verdict;
+}
+
+/// Whoever can measure where they hang has to know which.
+void RoomLocaliser::tell_disputes() noexcept {
+  const MovedLandmarks& moved = room_->world.moved();
+  if (moved.disputed() == 0) return;
+  for (std::size_t i = 0; i < room_->map.landmarks().size(); ++i)
+    if (moved.is_disputed(i)) (void)fix_.disputed.try_push_back(room_->map.landmarks()[i].id);
 }
 
 /// By all whose landmarks have a place in the map, those that were left out as well: it may be why.

@@ -120,6 +120,9 @@ struct Report {
   std::uint16_t landmarks_seen = 0;         ///< of the map, in the newest frame
   std::uint16_t landmarks_rejected = 0;     ///< of these: they do not hang where the map says
   std::uint16_t last_rejected_id = 0xFFFF;  ///< in whichever frame; 0xFFFF: none since the start
+  /// How many of the map contradict another one, with nothing that says which of them hangs elsewhere; two of them.
+  std::uint16_t landmarks_disputed = 0;
+  std::array<std::uint16_t, 2> disputed_ids{0xFFFF, 0xFFFF};  ///< 0xFFFF: none
 
   ReportRival rival;
   InlineVector<ReportSight, kMostReportSights> sights;  ///< for the head to choose from; that of the pose first

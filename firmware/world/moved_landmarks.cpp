@@ -39,6 +39,10 @@ bool MovedLandmarks::is_disputed(std::size_t landmark) const noexcept {
   return disputed_frames_[landmark] > 0;
 }
 
+std::size_t MovedLandmarks::disputed() const noexcept {
+  return disputed_frames_.size() - static_cast<std::size_t>(std::ranges::count(disputed_frames_, std::uint16_t{0}));
+}
+
 void MovedLandmarks::dispute(std::size_t landmark, double beyond_chi2) noexcept {
   EXPECTS(landmark < disputed_frames_.size() && beyond_chi2 >= 0);
   disputed_frames_[landmark] = raised(disputed_frames_[landmark], beyond_chi2, kSettledAfter_frames);

@@ -33,6 +33,7 @@ class MovedLandmarks {
 
   /// \param landmark  index (contract)
   bool is_disputed(std::size_t landmark) const noexcept;
+  std::size_t disputed() const noexcept;  ///< how many are [1]
   /// It and another one contradict each other. \param landmark  index \param beyond_chi2  as of disagrees() [1]
   void dispute(std::size_t landmark, double beyond_chi2) noexcept;
   /// What is known of a landmark of another map that hangs unchanged in this one. \param before  the other map's

@@ -231,6 +231,12 @@ std::string status_table(const RegisterReader& r) {
             ? fmt::format(", {} NOT WHERE THE MAP SAYS (number {})", r.integer(reg::kLandmarksRejected),
                           r.integer(reg::kLastRejectedId))
             : "");
+  if (r.value(reg::kLandmarksDisputed) > 1)
+    add(text, "map        {} landmarks CONTRADICT each other (numbers {} and {}): measure them\n",
+        r.integer(reg::kLandmarksDisputed), r.integer(reg::kDisputedId), r.integer(reg::kDisputedId + 1));
+  else if (r.value(reg::kLandmarksDisputed) > 0)
+    add(text, "map        landmark {} CONTRADICTED another one, which agrees with the others since: measure it\n",
+        r.integer(reg::kDisputedId));
   if (r.status(status_bit::kHasHead))
     add(text, "head       {}, pan {} deg, tilt {} deg{}{}{}\n", head_state_name(r),
         number(known_value(r, reg::kPan), 2), number(known_value(r, reg::kTilt), 2),

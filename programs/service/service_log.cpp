@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <utility>
 
 #include "drivers/posix/print_patiently.h"
 #include "programs/assembly/row_time_text.h"
@@ -80,6 +81,21 @@ void ServiceLog::note_row_time(const RowTime& rows) {
   if (rows.source == said_row_time_) return;
   said_row_time_ = rows.source;
   if (const std::string text = row_time_text(rows); !text.empty()) write(text);
+}
+
+void ServiceLog::note_misplaced(const Report& report, MonoTime now) {
+  const auto is_news = [&](auto& told, const auto& who) {
+    const auto [at, is_new] = told.try_emplace(who, now);
+    return is_new || now - std::exchange(at->second, now) > kWasWell;
+  };
+  if (report.landmarks_rejected > 0 && is_news(misplaced_, report.last_rejected_id))
+    write(fmt::format("landmark {} does not hang where the map says: poses are made without it; measure its place",
+                      report.last_rejected_id));
+  if (report.landmarks_disputed > 1 && is_news(disputed_, report.disputed_ids))
+    write(
+        fmt::format("landmarks {} and {} contradict each other: one of them does not hang where the map says; measure "
+                    "both",
+                    report.disputed_ids[0], report.disputed_ids[1]));
 }
 
 void ServiceLog::note_device(const std::string& name, const std::string& problem, const std::string& description,

@@ -1,5 +1,6 @@
 #pragma once
 /// The few lines that the service writes while it runs: what changed, not what is.
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -41,6 +42,10 @@ class ServiceLog {
   /// Says once what moving landmarks have shown of the camera's shutter.
   void note_row_time(const RowTime& rows);
 
+  /// Says which landmarks do not hang where the map says, and which contradict each other: somebody has to go and
+  /// measure them. Each once, and again where it was well for kWasWell.
+  void note_misplaced(const Report& report, MonoTime now);
+
   /// Says when a device goes, what else keeps it away, and when it is back, likewise; of the first time only what is to
   /// be said.
   /// \param problem  why it is not in use; empty: it is \param description  about one in use; may be empty
@@ -57,6 +62,8 @@ class ServiceLog {
   /// Longer than the longest pause between two attempts: one that fails in turns in two ways is not told twice.
   static constexpr std::chrono::seconds kOtherCause{15};
   static constexpr std::chrono::minutes kSeriesPeriod{1};
+  /// A sheet that was moved is out of view for most of a robot's round.
+  static constexpr std::chrono::hours kWasWell{1};
   LiveDisplay* display_;
   LogListener* listener_ = nullptr;
   RowTimeSource said_row_time_ = RowTimeSource::kTold;
@@ -89,6 +96,9 @@ class ServiceLog {
     std::uint64_t said = 0;
     MonoTime said_at{};
   };
+  using LandmarkPair = std::array<std::uint16_t, 2>;
+  std::map<std::uint16_t, MonoTime> misplaced_;  // when it was so last
+  std::map<LandmarkPair, MonoTime> disputed_;    // likewise
   std::map<std::string, Device> devices_;
   std::map<std::string, Series> series_;
 };

@@ -35,7 +35,14 @@ TEST(WireReport, HasTheReportsNumbersInMillimetresAndDegrees) {
   report.tilt_phi_rad = std::numbers::pi / 4;
   report.distance_m = 1.5;
   report.head = {true, std::numbers::pi / 8, -std::numbers::pi / 8, true, false, true, 5, OrderProgress::kRunning};
+  report.landmarks_seen = 4, report.landmarks_rejected = 1, report.last_rejected_id = 7;
+  report.landmarks_disputed = 2, report.disputed_ids = {8, 9};
   const WireReport wire = wire_report(report);
+  EXPECT_EQ(wire.landmarks_seen, 4U);
+  EXPECT_EQ(wire.landmarks_rejected, 1U);
+  EXPECT_EQ(wire.last_rejected_id, 7U);
+  EXPECT_EQ(wire.landmarks_disputed, 2U);
+  EXPECT_EQ(wire.disputed_ids, (std::array<std::uint16_t, 2>{8, 9}));
   EXPECT_EQ(wire.frames_processed, 12U);
   EXPECT_DOUBLE_EQ(wire.latency_ms, 8.76);
   EXPECT_DOUBLE_EQ(wire.process_us, 812.34);

@@ -291,6 +291,20 @@ TEST(RoomLocaliser, KnowsByItsPlaceWhomASearchCameUpon) {
   EXPECT_EQ(fix.world->used.size(), 3U);
 }
 
+/// The next search of every tenth frame would come five frames later.
+TEST(RoomLocaliser, SearchesBesideThePlaceWhereOneShouldHang) {
+  Hung moved = kWall[2];
+  moved.x_m -= 0.2;
+  const test::Picture two = test::render(scene_of({kWall[0], kWall[1]}, kFromAside), 1);
+  const test::Picture all = test::render(scene_of({kWall[0], kWall[1], moved}, kFromAside), 2);
+  RoomLocaliser unit(CameraModel{}, {.row_time = 0ns, .map = map_of_wall()});
+  for (std::uint64_t number = 1; number < 5; ++number)
+    ASSERT_TRUE(unit.process(frame_of(two, number)).rejected.empty());
+  const Fix& fix = unit.process(frame_of(all, 5));
+  ASSERT_EQ(fix.rejected.size(), 1U);
+  EXPECT_EQ(fix.rejected[0], 3);
+}
+
 /// In the same place, from one frame to the next.
 TEST(RoomLocaliser, NamesAnewASheetThatWasPutInThePlaceOfAnother) {
   test::Viewpoint viewpoint = kFromAside;

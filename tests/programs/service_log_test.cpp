@@ -157,6 +157,34 @@ TEST(ServiceLog, NamesTheNewestOfASeries) {
             "ninedotd: 7 more clients refused since: the last one 10.0.0.7 is not allowed\n");
 }
 
+TEST(ServiceLog, TellsWhichLandmarksSomebodyHasToMeasureOnceAndAgainWhereTheyWereWellForAnHour) {
+  ServiceLog log;
+  const auto note = [&](const Report& report, auto when) {
+    return written([&] { log.note_misplaced(report, at(when)); });
+  };
+  Report report;
+  EXPECT_EQ(note(report, 0s), "");
+  report.landmarks_rejected = 1, report.last_rejected_id = 12;
+  EXPECT_EQ(note(report, 1s),
+            "ninedotd: landmark 12 does not hang where the map says: poses are made without it; measure its place\n");
+  EXPECT_EQ(note(report, 2s), "");
+  report.landmarks_rejected = 0;
+  EXPECT_EQ(note(report, 3s), "") << "it is out of view";
+  report.landmarks_rejected = 1;
+  EXPECT_EQ(note(report, 3000s), "");
+  EXPECT_EQ(note(report, 6000s), "") << "less than an hour ago it was so";
+  EXPECT_NE(note(report, 9601s), "");
+  report = {};
+  report.landmarks_disputed = 2, report.disputed_ids = {1, 2};
+  const std::string both = note(report, 9602s);
+  EXPECT_EQ(both,
+            "ninedotd: landmarks 1 and 2 contradict each other: one of them does not hang where the map says; "
+            "measure both\n");
+  EXPECT_EQ(note(report, 9603s), "");
+  report.disputed_ids = {1, 3};
+  EXPECT_NE(note(report, 9604s), "") << "another pair";
+}
+
 TEST(ServiceLog, TellsOnceWhatLandmarksShowOfTheShutter) {
   ServiceLog log;
   const auto note = [&](const RowTime& rows) { return written([&] { log.note_row_time(rows); }); };

@@ -32,6 +32,7 @@ TEST(StatusTable, SaysPoseUncertaintyHeadAndHealthInTheRegistersUnits) {
             "landmark   9 of 9 dots, residual 0.046 px, ambiguity 0.12, full solver\n"
             "or else    x -321.5 y 4000.2 z 17.0 mm, by another reading: odds 0.120\n"
             "in view    3 landmarks of the map, 1 NOT WHERE THE MAP SAYS (number 12)\n"
+            "map        2 landmarks CONTRADICT each other (numbers 21 and 22): measure them\n"
             "head       COAST, pan 12.34 deg, tilt -5.67 deg, at its LIMIT, INHIBITED\n"
             "frames     35.0 Hz, 100000 processed, 65537 dropped, 3 failed, 2 camera restarts\n"
             "latency    median 8.7 ms, p99 9.5, p99.9 12.0, max 33.3 (capture to report)\n"
@@ -81,7 +82,7 @@ TEST(StatusTable, LeavesTheHeadOutWhereThereIsNoneAndFitsIntoAHundredColumns) {
   report.sigma_calibration_mm = kUnknown;
   report.rival_odds = 0;
   report.output = {};
-  report.landmarks_seen = 1, report.landmarks_rejected = 0;
+  report.landmarks_seen = 1, report.landmarks_rejected = 0, report.landmarks_disputed = 0;
   const RegisterBlock registers = registers_of(report, MetricValues{});
   const std::string table = status_table(make_reader(registers));
   EXPECT_EQ(table.find("head"), std::string::npos);

@@ -34,6 +34,7 @@ inline WireReport known_report(MonoTime now) {
   report.ambiguity = 0.123;
   report.rival_odds = 0.12;
   report.landmarks_seen = 3, report.landmarks_rejected = 1, report.last_rejected_id = 12;
+  report.landmarks_disputed = 2, report.disputed_ids = {21, 22};
   report.rival = {{-321.5, 4000.25, 17}, {std::cos(0.65), -0.3 * s, 0.4 * s, 1.2 * s}};
   report.output = {PoseContent::kBodyInWorld, EulerConvention::kKuka};
   report.angles_deg = {123.4567, -45.25, -179.9996};

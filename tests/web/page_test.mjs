@@ -238,6 +238,30 @@ test("registers decode as the service's own table says, in both word orders", as
   await close();
 });
 
+test("health names the landmarks that contradict each other, and one that hung elsewhere", async () => {
+  const { page, close } = await open("health");
+  await shown.health(page);
+  const found = await page.evaluate(async () => {
+    const { verdicts } = await import("./health.js");
+    const map = await (await fetch("/api/registers")).json();
+    const of = (values) => {
+      const registers = new Array(map.registers.at(-1).address + 1).fill(0);
+      for (const [name, word] of Object.entries(values)) registers[map.registers.find((entry) => entry.name === name).address] = word;
+      const shared = { registers: map, history: { gained: () => null } };
+      return verdicts({ service: { registers }, camera: { rate_hz: 30 }, frame: null }, shared).find((check) => check.name === "Map");
+    };
+    return [
+      of({ last_rejected_id: 65535 }),
+      of({ last_rejected_id: 7 }),
+      of({ last_rejected_id: 7, landmarks_disputed: 2, disputed_id_1: 8, disputed_id_2: 9 }),
+      of({ last_rejected_id: 7, landmarks_disputed: 1, disputed_id_1: 9, disputed_id_2: 65535 }),
+    ].map(({ kind, value }) => `${kind}: ${value}`);
+  });
+  assert.deepEqual(found, ["good: as it is seen", "warn: landmark 7 hung elsewhere",
+    "bad: landmarks 8 and 9 contradict each other", "bad: landmark 9 contradicted another one"]);
+  await close();
+});
+
 test("tables for controllers name each register at its address", async () => {
   const { page, close } = await open("registers");
   await shown.registers(page);

@@ -320,6 +320,7 @@ TEST(MovedLandmarks, AreInDisputeUntilTheyAgreedForAWhileOrAnotherOneIsNamed) {
   moved.dispute(0, 500);
   moved.dispute(1, 500);
   EXPECT_TRUE(moved.is_disputed(0) && moved.is_disputed(1) && !moved.is_disputed(2));
+  EXPECT_EQ(moved.disputed(), 2U);
   EXPECT_FALSE(moved.is_moved(0));
   for (int frame = 1; frame < MovedLandmarks::kSettledAfter_frames; ++frame) moved.agrees(0);
   EXPECT_TRUE(moved.is_disputed(0));
