@@ -103,6 +103,7 @@ struct Detector::Workspace {
   bool keep_confirmed(VerifyOne&& verify_one) noexcept;
   bool verify_all(const ImageView& luma, const Sight& sight) noexcept;
   void note_refusal(const Hypothesis& hypothesis, const Verification& verification) noexcept;
+  void note_three(const Hypothesis& hypothesis, const Verification& verification) noexcept;
   Result<LandmarkObservation> observe(const BlobList& blobs, const Accepted& from, Numbering numbering) const noexcept;
   bool is_cut(const Hypothesis& hypothesis, std::size_t dot, const Blob& blob) const noexcept;
 
@@ -117,6 +118,8 @@ struct Detector::Workspace {
   ObservationList found;
   std::optional<Hypothesis> nearest;  ///< of the guesses that the last search of the whole picture refused
   Verification refused;               ///< why it did
+  std::optional<Hypothesis> three;    ///< of `whole`: the likeliest of three dots; where nothing was found
+  Verification three_verification;
   GuessCuts cuts;
   GuessBegin coarse_begin, fine_begin, second_begin, all_begin;  ///< of searches of the whole picture
   std::size_t close_begin = 0;
@@ -126,6 +129,7 @@ struct Detector::Workspace {
 /// half the size as well: it is found there and measured where it is.
 Result<LandmarkObservation> Detector::Workspace::search_whole(const ImageView& luma, WorkBudget& budget) noexcept {
   nearest.reset();
+  three.reset();
   look(luma, {0, 0, camera.width_px, camera.height_px, {1, BlobFinder::kLevels - 1}}, whole, budget);
   const Result<LandmarkObservation> coarse = with_half(budget.guesses, [&](int& half) {
     return match(luma, whole, half, coarse_begin, Numbering::kLeftOut, budget);  // it is looked at again
@@ -133,7 +137,10 @@ Result<LandmarkObservation> Detector::Workspace::search_whole(const ImageView& l
   if (coarse)
     if (auto fine = search_near(luma, LandmarkForecast(*coarse, ForecastNumbers::kByPriors), budget)) return fine;
   look_finer(luma, budget);
-  return match(luma, whole, budget.guesses, fine_begin, Numbering::kByPriors, budget);
+  three.reset();  // its blobs were others
+  Result<LandmarkObservation> fine = match(luma, whole, budget.guesses, fine_begin, Numbering::kByPriors, budget);
+  if (fine) three.reset();
+  return fine;
 }
 
 Result<LandmarkObservation> Detector::Workspace::search_near(const ImageView& luma, const LandmarkForecast& expected,
@@ -214,6 +221,7 @@ void Detector::Workspace::find_all(const ImageView& luma, WorkBudget& budget) no
   for (const Accepted& from : accepted)
     if (const auto seen = observe(whole.blobs, from, Numbering::kByPriors)) keep_distinct(*seen);
   look_closer(luma, budget);
+  three.reset();  // it is of other blobs, and what is found here is enough
 }
 
 /// Of a landmark, where its middle is: half the ring's size, as it lies in the directions of sight.
@@ -258,7 +266,7 @@ bool Detector::Workspace::keep_confirmed(VerifyOne&& verify_one) noexcept {
 bool Detector::Workspace::verify_all(const ImageView& luma, const Sight& sight) noexcept {
   return keep_confirmed([&](const Hypothesis& hypothesis) {
     const Verification v = verify(luma, sight, hypothesis);
-    if (!v.accepted() && &sight == &whole) note_refusal(hypothesis, v);
+    if (!v.accepted() && &sight == &whole) note_refusal(hypothesis, v), note_three(hypothesis, v);
     return v;
   });
 }
@@ -317,6 +325,12 @@ void Detector::Workspace::note_refusal(const Hypothesis& hypothesis, const Verif
   if (nearest && verification.score <= refused.score) return;
   nearest = hypothesis;
   refused = verification;
+}
+
+void Detector::Workspace::note_three(const Hypothesis& hypothesis, const Verification& verification) noexcept {
+  if (!verification.has_three_dots || (three && verification.score <= three_verification.score)) return;
+  three = hypothesis;
+  three_verification = verification;
 }
 
 /// A dot that something hides in part has an outline all around all the same, but it is smaller than the others say.
@@ -395,6 +409,13 @@ Result<LandmarkObservation> Detector::find_landmark_near(const ImageView& luma, 
   Workspace& w = *workspace_;
   if (!w.fits(luma)) return fail(Errc::kFrameSize, "the frame's size is not the calibration's");
   return w.search_near(luma, expected, budget);
+}
+
+std::optional<LandmarkObservation> Detector::three_dots() const noexcept {
+  const Workspace& w = *workspace_;
+  if (!w.three) return std::nullopt;
+  const auto seen = w.observe(w.whole.blobs, {&*w.three, w.three_verification}, Workspace::Numbering::kByPriors);
+  return seen ? std::optional(*seen) : std::nullopt;
 }
 
 FailedSearch Detector::failed_search() const noexcept {

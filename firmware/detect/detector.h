@@ -1,6 +1,7 @@
 #pragma once
 /// Finds the landmarks in a picture.
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "base/result.h"
@@ -66,6 +67,10 @@ class Detector {
     WorkBudget budget;
     return find_landmark_near(luma, expected, budget);
   }
+
+  /// Of the last find_landmarks that found nothing: three dots in a row of a landmark's ring, where the rest of it may
+  /// be hidden, and nothing more. To show, not to act on. None: there are none. Memory: none.
+  std::optional<LandmarkObservation> three_dots() const noexcept;
 
   /// Of the last search of a whole picture that found nothing. Asking costs a microsecond, and nothing unless asked.
   FailedSearch failed_search() const noexcept;

@@ -89,10 +89,13 @@ class Evidence {
     const float centre = v.visible_fraction[kCentreDot];
     const int seen = whole + (centre >= kSeenOutline ? 1 : 0);
     // Three points fit any three dots of equal size: then everything else must be flawless.
-    if (hypothesis_.matched <= 3 && (flawless < 3 || v.score < kMinScoreOfThree)) return v;
-    const bool enough = (centre >= kSeenOutline && whole >= 3) ||
-                        (centre >= kPartly && whole >= 3 && whole + partly >= 4) || whole >= 5;
-    if (enough) v.refusal = refusal_of_whole(v, blobs, seen);
+    const bool enough = (hypothesis_.matched > 3 || (flawless >= 3 && v.score >= kMinScoreOfThree)) &&
+                        ((centre >= kSeenOutline && whole >= 3) ||
+                         (centre >= kPartly && whole >= 3 && whole + partly >= 4) || whole >= 5);
+    if (enough)
+      v.refusal = refusal_of_whole(v, blobs, seen);
+    else if (flawless >= 3)
+      v.has_three_dots = refusal_of_whole(v, blobs, seen) == Refusal::kNone;
     return v;
   }
 

@@ -17,6 +17,9 @@ struct Verification {
   double score = 0;                                 ///< to compare hypotheses: dots' worth of outline that is there
   std::array<float, kDotCount> visible_fraction{};  ///< of each outline: dark inside, bright outside
   double contrast_lsb = 0;                          ///< of ink and paper, typical of its outlines
+  /// Refused for having three dots of the ring alone: they have no flaw, and nothing else speaks against it. Three dots
+  /// are soon found that a landmark's fit: they are something to show, and nothing to act on.
+  bool has_three_dots = false;
 
   bool accepted() const noexcept { return refusal == Refusal::kNone; }
 };

@@ -40,6 +40,7 @@ void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget, const R
   luma_.has_pattern = !frame.chroma.empty();
   budget_ = budget;
   misfit_.reset();
+  misfit_reason_ = Reason::kPoorFit;
   look_alike_px_ = 0;
 }
 
@@ -48,7 +49,7 @@ FailedSearch LandmarkSeeker::failed_search() const noexcept {
   if (!misfit_) return failed;
   std::array<double, kDotCount> all_of_each;
   all_of_each.fill(1);
-  failed.refusal = Refusal::kPoorFit;
+  failed.refusal = misfit_reason_ == Reason::kPoorFit ? Refusal::kPoorFit : Refusal::kFewOutlines;
   failed.dots =
       observation_of(misfit_->list[0].pose.T_landmark_camera.inverse(), all_of_each, camera_, options_.landmark).dots;
   return failed;
@@ -124,6 +125,14 @@ Result<std::size_t> LandmarkSeeker::solve_guess(const Frame& frame, LandmarkObse
     if (const auto first = first_dot_by_forecast(seen.H_ray_plane, known->H_ray_plane, options_.landmark))
       seen = renumbered(seen, *first);
   return solve(frame, seen, nullptr, track);
+}
+
+void LandmarkSeeker::show_three_dots(const LandmarkObservation& seen) noexcept {
+  if (misfit_ || budget_.pixels <= 0) return;
+  const auto answer = full_.solve(luma_, seen, nullptr, budget_.pixels, {});
+  if (!answer || !is_publishable(answer->list[0].pose)) return;
+  misfit_ = *answer;
+  if (fits_picture(answer->list[0], noise_, allowance(false))) misfit_reason_ = Reason::kPoseDegenerate;
 }
 
 Result<std::size_t> LandmarkSeeker::look_at(const Frame& frame, const CameraFromLandmark& T_camera_landmark,

@@ -55,6 +55,10 @@ class LandmarkSeeker {
   /// frame and is none: what is too small to be told from a landmark may be more of that. \return  index [1]
   Result<std::size_t> solve_guess(const Frame& frame, LandmarkObservation seen, Track& track) noexcept;
 
+  /// Three dots that may be a landmark's (Detector::three_dots): the misfit, if there is no other one. No track knows
+  /// of them.
+  void show_three_dots(const LandmarkObservation& seen) noexcept;
+
   /// By its outlines alone, from where something else foretells it to two pixels: what is too small, too faint or too
   /// blurred to be seen as dots. \param T_camera_landmark  at the middle row \return  index [1]
   Result<std::size_t> look_at(const Frame& frame, const CameraFromLandmark& T_camera_landmark, Track& track) noexcept;
@@ -68,8 +72,10 @@ class LandmarkSeeker {
   bool fits_black_and_white() const noexcept { return fits_black_and_white_; }
   /// What the search of the whole picture saw, where nothing came of it: the misfit before what did not get so far.
   FailedSearch failed_search() const noexcept;
-  /// The first since `begin` that looked like a landmark and does not fit the picture.
+  /// The first since `begin` that looked like a landmark and does not fit the picture, or of which too little is seen.
   const std::optional<PoseCandidates>& misfit() const noexcept { return misfit_; }
+  /// Why it is one: kPoorFit, or kPoseDegenerate where three dots are all that is seen, and they do fit.
+  Reason misfit_reason() const noexcept { return misfit_reason_; }
 
   const CameraModel& camera() const noexcept { return camera_; }
   Detector& detector() noexcept { return detector_; }
@@ -100,6 +106,7 @@ class LandmarkSeeker {
   RowMotion row_motion_;
   bool fits_black_and_white_ = false;
   std::optional<PoseCandidates> misfit_;
+  Reason misfit_reason_ = Reason::kPoorFit;
   double look_alike_px_ = 0;  ///< radius of a dot of the largest thing that has a whole ring and is no landmark
 };
 

@@ -89,8 +89,13 @@ Result<std::size_t> Localiser::search(const Frame& frame) noexcept {
     budget.pixels += std::exchange(charged, pixels_of_search(options_.budget, budget));
     budget.pixels -= charged;
   };
-  NINEDOT_TRY(const auto likely, lens_->seeker.detector().find_landmarks(frame.luma, budget));
+  const auto found = lens_->seeker.detector().find_landmarks(frame.luma, budget);
   charge_search();
+  if (!found) {
+    if (const auto three = lens_->seeker.detector().three_dots()) lens_->seeker.show_three_dots(*three);
+    return tl::unexpected<Error>(found.error());
+  }
+  const std::span<const LandmarkObservation> likely = *found;
   if (guess == 0 && (!try_guess(likely.front()) || chosen)) return chosen;
   NINEDOT_TRY(const auto unlikely, lens_->seeker.detector().find_more_landmarks(frame.luma, budget));
   charge_search();
@@ -152,7 +157,8 @@ void Localiser::add_calibration_error(LandmarkFix& fix) noexcept {
   calibration_share_ = covariance_in_world(share, mapped().T_world_landmark);
 }
 
-void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bool fits) noexcept {
+/// \param refused  why nobody may act on it, whatever its pose says; kNone: it is a landmark
+void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, Reason refused) noexcept {
   const MappedLandmark& landmark = mapped();
   LandmarkFix fix;
   fix.id = landmark.id;
@@ -169,7 +175,7 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, bo
   fix.T_world_camera = landmark.T_world_landmark * pose.T_landmark_camera;
   fix.covariance_world = covariance_in_world(pose.covariance, landmark.T_world_landmark);
   fix.quality = pose_quality(pose);
-  fix.verdict = verdict_on(pose, fits, options_.trust);
+  fix.verdict = refused != Reason::kNone ? refused : verdict_on(pose, true, options_.trust);
   fix.place_is_sure = is_place_sure(fix.candidates, chosen, fix.verdict, 0, options_.trust);
   fix_.reason = fix.verdict;
   (void)fix_.landmarks.try_push_back(fix);  // the only one
@@ -213,7 +219,7 @@ void Localiser::look_at(const Frame& frame) noexcept {
 
   WorkBudget& budget = lens_->seeker.budget();
   if (chosen) {
-    add_fix(lens_->seeker.candidates(), *chosen, true);
+    add_fix(lens_->seeker.candidates(), *chosen, Reason::kNone);
     if (options_.seeker.solver == Solver::kFull) follow_in_world(frame, fix_.main());
   } else {
     track_.lose_pose(track_.has_sighting());
@@ -223,7 +229,7 @@ void Localiser::look_at(const Frame& frame) noexcept {
     if (out_of_pixels && next_guess_ == 0) next_guess_ = 1;
     budget.is_overdrawn |= out_of_pixels;
     if (out_of_pixels || (fix_.reason == Reason::kNoLandmark && budget.is_overdrawn)) fix_.reason = Reason::kCrowded;
-    if (lens_->seeker.misfit()) add_fix(*lens_->seeker.misfit(), 0, false);
+    if (lens_->seeker.misfit()) add_fix(*lens_->seeker.misfit(), 0, lens_->seeker.misfit_reason());
     has_search_failed_ = fix_.landmarks.empty();
   }
   fix_.track = filter_.at(frame.exposed_at());

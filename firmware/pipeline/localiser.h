@@ -79,7 +79,7 @@ class Localiser final : public FrameProcessor {
   const MappedLandmark& mapped() const noexcept { return room_->map.landmarks().front(); }
   void look_at(const Frame& frame) noexcept;
   Result<std::size_t> search(const Frame& frame) noexcept;
-  void add_fix(const PoseCandidates& candidates, std::size_t chosen, bool fits) noexcept;
+  void add_fix(const PoseCandidates& candidates, std::size_t chosen, Reason refused) noexcept;
 
   void add_calibration_error(LandmarkFix& fix) noexcept;
   void follow_in_world(const Frame& frame, const LandmarkFix& fix) noexcept;

@@ -206,6 +206,28 @@ INSTANTIATE_TEST_SUITE_P(Detector, Hidden,
                          testing::Combine(testing::Values(0.1, 0.2, 0.3, 0.4),
                                           testing::Values(0.0, 45.0, 90.0, 180.0, 270.0)));
 
+/// Three dots of the ring, and a sliver of P9 that tells nothing.
+TEST(Detector, ShowsThreeDotsOfARingWhereNothingElseIsInSight) {
+  const auto look = [](double hidden_fraction, bool is_there) {
+    test::Scene scene = scene_at({.distance_m = 1.2, .tilt_rad = 20 * kDegree});
+    scene.board.hidden_fraction = hidden_fraction;
+    if (!is_there) scene.sheets.clear();
+    return std::pair(scene, test::render(scene, 4));
+  };
+  Detector detector(CameraModel{}, LandmarkGeometry{});
+  const auto [scene, picture] = look(0.62, true);
+  EXPECT_FALSE(detector.find_landmarks(picture.view()).has_value()) << "too little to be one";
+  const auto three = detector.three_dots();
+  ASSERT_TRUE(three.has_value());
+  EXPECT_EQ(three->seen_count, 3);
+  expect_dots_in_place(scene, *three, 2.5);
+  EXPECT_TRUE(detector.find_landmarks(look(0.3, true).second.view()).has_value());
+  EXPECT_FALSE(detector.three_dots().has_value()) << "the last search has found one";
+  EXPECT_FALSE(detector.find_landmarks(picture.view()).has_value());
+  EXPECT_FALSE(detector.find_landmarks(look(0, false).second.view()).has_value());
+  EXPECT_FALSE(detector.three_dots().has_value()) << "the last search has seen none";
+}
+
 TEST(Detector, FindsTheLandmarkAcrossAHardShadowAndThroughHaze) {
   test::Scene scene = scene_at({.distance_m = 1.5, .tilt_rad = 20 * kDegree});
   scene.light.shadows.push_back({.direction_rad = 0.6, .offset_m = 0.02, .width_m = 0.07, .remaining = 0.25});

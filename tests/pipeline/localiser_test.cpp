@@ -128,6 +128,25 @@ TEST(Localiser, KeepsTheNumberingWhenOneFrameOfATrackIsPartlyHidden) {
   EXPECT_EQ(wrong, 0) << "of " << frames;
 }
 
+/// No track begins with them: the next frame's landmark is looked for everywhere.
+TEST(Localiser, ShowsALandmarkOfWhichThreeDotsAreInSightAndDoesNotActOnIt) {
+  test::Scene scene = scene_at(1.2);
+  set_noise(scene.sensor, 1.5);
+  const test::Picture whole = test::render(scene, 1);
+  scene.board.hidden_fraction = 0.62;
+  const test::Picture three = test::render(scene, 2);
+  Localiser unit(CameraModel{}, {});
+  Report report;
+  for (std::uint64_t number = 1; number < 4; ++number) {
+    test::process_picture(unit, three.view(), MonoTime(5s) + number * 28ms, number, report);
+    EXPECT_TRUE(report.found && !report.valid && !report.tracking && !report.has_pose);
+    EXPECT_EQ(report.reason, Reason::kPoseDegenerate);
+    EXPECT_EQ(unit.last_observation(), nullptr);
+  }
+  test::process_picture(unit, whole.view(), MonoTime(6s), 4, report);
+  EXPECT_TRUE(report.valid && !report.tracking);
+}
+
 /// A dense grid of equal dots: more blobs than the list holds, found by a search that comes to nothing.
 TEST(Localiser, TheReportSaysWhatTheSearchHadNoRoomFor) {
   std::vector<std::uint8_t> pixels(640 * 480, 220);

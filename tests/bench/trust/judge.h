@@ -10,7 +10,7 @@ namespace ninedot::bench {
 /// Of one picture.
 struct Verdict {
   bool shown = false;   ///< the landmark is in the picture
-  bool found = false;   ///< the software says so: nine dots that fit, whatever pose came of them
+  bool found = false;   ///< the software says so: something like a landmark, whatever came of it
   bool valid = false;   ///< it gives a pose and does not call it ambiguous: what a client that looks at `valid` acts on
   bool wrong = false;   ///< valid, and further from the truth than kSigmas sigma and 1 %, or there is no landmark
   bool beyond = false;  ///< valid, shown, and further from the truth than kSigmas sigma in position or in rotation

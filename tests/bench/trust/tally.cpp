@@ -67,7 +67,7 @@ three times in a row, as long as it takes to be sure. Photographs are windows of
 drawn by a small painter, views and camera effects by the tests' renderer, whose truth is exact; a warped sheet is where the plane
 lies that fits its nine dots best.
 
-- *found*: nine dots that fit, whatever came of them. *valid*: a pose that is not called ambiguous, which is all that a client
+- *found*: something like a landmark, of which three dots at least are in sight, whatever came of it. *valid*: a pose that is not called ambiguous, which is all that a client
   sees who looks at `valid` alone.
 - *wrong and valid*: no landmark is in the picture, or the pose is off by more than six sigma and by more than 1 % of the
   distance (position) or 0.01 rad (rotation): the mirror image, a wrong numbering, something else that was taken for the landmark.
