@@ -175,7 +175,7 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, Re
   fix.T_world_camera = landmark.T_world_landmark * pose.T_landmark_camera;
   fix.covariance_world = covariance_in_world(pose.covariance, landmark.T_world_landmark);
   fix.quality = pose_quality(pose);
-  fix.verdict = refused != Reason::kNone ? refused : verdict_on(pose, true, options_.trust);
+  fix.verdict = refused != Reason::kNone ? refused : verdict_on(pose, options_.trust);
   fix.place_is_sure = is_place_sure(fix.candidates, chosen, fix.verdict, 0, options_.trust);
   fix_.reason = fix.verdict;
   (void)fix_.landmarks.try_push_back(fix);  // the only one

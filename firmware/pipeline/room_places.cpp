@@ -185,7 +185,7 @@ void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const
   fix.covariance_world =
       world.is_valid() ? world.covariance : covariance_in_world(pose.covariance, mapped.T_world_landmark);
   fix.quality = pose_quality(pose);
-  fix.verdict = verdict_on(pose, true, options_.trust);
+  fix.verdict = verdict_on(pose, options_.trust);
   fix.place_is_sure = is_place_sure(fix.candidates, fix.chosen, fix.verdict, others_odds, options_.trust);
   (void)fix_.landmarks.try_push_back(fix);
   // The one that counts comes first: one that may be acted on, the nearest or surest of those.

@@ -10,10 +10,10 @@ struct TrustLimits {
   double max_sigma_share = 0.03;  ///< 1-sigma of the position, all axes together, of the distance, 0..1
 };
 
-/// \param fits_picture  the picture's grey levels agree with it (pose_of_outlines.h)
-/// \return  kNone: yes; kPoorFit, kAmbiguous, kUncertain: why not, the first that holds
+/// \param pose  one that fits the picture (pose_of_outlines.h)
+/// \return  kNone: yes; kAmbiguous, kUncertain: why not, the first that holds
 /// Memory: none. Threads: pure.
-Reason verdict_on(const PoseEstimate& pose, bool fits_picture, const TrustLimits& limits) noexcept;
+Reason verdict_on(const PoseEstimate& pose, const TrustLimits& limits) noexcept;
 
 /// Whether a head may turn to the landmark, though nobody may act on its pose: its readings, mirror images and
 /// numberings, have its middle in one direction.

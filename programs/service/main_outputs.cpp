@@ -10,10 +10,10 @@
 
 namespace ninedot {
 
-void LogOutput::take(const Report& newest, bool /*is_new*/, MonoTime now) {
+void LogOutput::take(const Report& newest, bool is_new, MonoTime now) {
   log_.note(newest, frames_.last_error(), now);
   log_.note_row_time(newest.row_time);
-  log_.note_misplaced(newest, now);
+  if (is_new) log_.note_misplaced(newest, now);
 }
 
 void DeviceLogOutput::take(const Report& /*newest*/, bool /*is_new*/, MonoTime now) {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <utility>
 
 #include "drivers/posix/print_patiently.h"
 #include "programs/assembly/row_time_text.h"
@@ -83,15 +82,19 @@ void ServiceLog::note_row_time(const RowTime& rows) {
   if (const std::string text = row_time_text(rows); !text.empty()) write(text);
 }
 
+bool ServiceLog::Lasting::is_news(MonoTime now) {
+  if (last_ == MonoTime{} || now - last_ > (is_said_ ? MonoTime::duration(kWasWell) : MonoTime::duration(kSettle)))
+    since_ = now, is_said_ = false;
+  last_ = now;
+  if (is_said_ || now - since_ < kSettle) return false;
+  return is_said_ = true;
+}
+
 void ServiceLog::note_misplaced(const Report& report, MonoTime now) {
-  const auto is_news = [&](auto& told, const auto& who) {
-    const auto [at, is_new] = told.try_emplace(who, now);
-    return is_new || now - std::exchange(at->second, now) > kWasWell;
-  };
-  if (report.landmarks_rejected > 0 && is_news(misplaced_, report.last_rejected_id))
+  if (report.landmarks_rejected > 0 && misplaced_[report.last_rejected_id].is_news(now))
     write(fmt::format("landmark {} does not hang where the map says: poses are made without it; measure its place",
                       report.last_rejected_id));
-  if (report.landmarks_disputed > 1 && is_news(disputed_, report.disputed_ids))
+  if (report.landmarks_disputed > 1 && disputed_[report.disputed_ids].is_news(now))
     write(
         fmt::format("landmarks {} and {} contradict each other: one of them does not hang where the map says; measure "
                     "both",

@@ -43,7 +43,8 @@ class ServiceLog {
   void note_row_time(const RowTime& rows);
 
   /// Says which landmarks do not hang where the map says, and which contradict each other: somebody has to go and
-  /// measure them. Each once, and again where it was well for kWasWell.
+  /// measure them. Each once, when it has lasted for kSettle, and again where it was well for kWasWell: chance has one
+  /// rejected now and then. \param report  a new one
   void note_misplaced(const Report& report, MonoTime now);
 
   /// Says when a device goes, what else keeps it away, and when it is back, likewise; of the first time only what is to
@@ -96,9 +97,18 @@ class ServiceLog {
     std::uint64_t said = 0;
     MonoTime said_at{};
   };
-  using LandmarkPair = std::array<std::uint16_t, 2>;
-  std::map<std::uint16_t, MonoTime> misplaced_;  // when it was so last
-  std::map<LandmarkPair, MonoTime> disputed_;    // likewise
+  /// What is said once, when it has lasted.
+  class Lasting {
+   public:
+    /// It is so now. \return  whether that is to be said
+    bool is_news(MonoTime now);
+
+   private:
+    MonoTime since_{}, last_{};
+    bool is_said_ = false;
+  };
+  std::map<std::uint16_t, Lasting> misplaced_;                // by landmark
+  std::map<std::array<std::uint16_t, 2>, Lasting> disputed_;  // by pair
   std::map<std::string, Device> devices_;
   std::map<std::string, Series> series_;
 };

@@ -20,12 +20,12 @@ PoseEstimate pose_of(double ambiguity, double sigma_m) {
 TEST(Verdict, SaysTheFirstThingThatIsWrong) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const TrustLimits limits;
-  EXPECT_EQ(verdict_on(pose_of(0.009, 0.059), true, limits), Reason::kNone);
-  EXPECT_EQ(verdict_on(pose_of(0.011, 0.059), true, limits), Reason::kAmbiguous);
-  EXPECT_EQ(verdict_on(pose_of(0.009, 0.061), true, limits), Reason::kUncertain) << "3 % of 2 m";
-  EXPECT_EQ(verdict_on(pose_of(0.011, 0.061), false, limits), Reason::kPoorFit);
-  EXPECT_EQ(verdict_on(pose_of(kNan, 0.001), true, limits), Reason::kAmbiguous);
-  EXPECT_EQ(verdict_on(pose_of(0, kNan), true, limits), Reason::kUncertain);
+  EXPECT_EQ(verdict_on(pose_of(0.009, 0.059), limits), Reason::kNone);
+  EXPECT_EQ(verdict_on(pose_of(0.011, 0.059), limits), Reason::kAmbiguous);
+  EXPECT_EQ(verdict_on(pose_of(0.009, 0.061), limits), Reason::kUncertain) << "3 % of 2 m";
+  EXPECT_EQ(verdict_on(pose_of(0.011, 0.061), limits), Reason::kAmbiguous);
+  EXPECT_EQ(verdict_on(pose_of(kNan, 0.001), limits), Reason::kAmbiguous);
+  EXPECT_EQ(verdict_on(pose_of(0, kNan), limits), Reason::kUncertain);
 }
 
 /// A reading with the middle of the landmark there, in the camera's frame.

@@ -157,32 +157,33 @@ TEST(ServiceLog, NamesTheNewestOfASeries) {
             "ninedotd: 7 more clients refused since: the last one 10.0.0.7 is not allowed\n");
 }
 
-TEST(ServiceLog, TellsWhichLandmarksSomebodyHasToMeasureOnceAndAgainWhereTheyWereWellForAnHour) {
+TEST(ServiceLog, TellsWhichLandmarksSomebodyHasToMeasureOnceThatLasts) {
   ServiceLog log;
-  const auto note = [&](const Report& report, auto when) {
-    return written([&] { log.note_misplaced(report, at(when)); });
+  const auto note = [&](const Report& report, std::chrono::milliseconds from, std::chrono::milliseconds until) {
+    return written([&] {
+      for (auto when = from; when <= until; when += 100ms) log.note_misplaced(report, at(when));
+    });
   };
   Report report;
-  EXPECT_EQ(note(report, 0s), "");
+  EXPECT_EQ(note(report, 0s, 1s), "");
   report.landmarks_rejected = 1, report.last_rejected_id = 12;
-  EXPECT_EQ(note(report, 1s),
+  EXPECT_EQ(note(report, 1s, 1100ms), "") << "chance";
+  EXPECT_EQ(note(report, 2s, 2400ms), "") << "once more";
+  EXPECT_EQ(note(report, 5s, 9s),
             "ninedotd: landmark 12 does not hang where the map says: poses are made without it; measure its place\n");
-  EXPECT_EQ(note(report, 2s), "");
-  report.landmarks_rejected = 0;
-  EXPECT_EQ(note(report, 3s), "") << "it is out of view";
-  report.landmarks_rejected = 1;
-  EXPECT_EQ(note(report, 3000s), "");
-  EXPECT_EQ(note(report, 6000s), "") << "less than an hour ago it was so";
-  EXPECT_NE(note(report, 9601s), "");
+  EXPECT_EQ(note({}, 9s, 10s), "") << "it is out of view";
+  EXPECT_EQ(note(report, 3000s, 3002s), "");
+  EXPECT_EQ(note(report, 6000s, 6002s), "") << "less than an hour ago it was so";
+  EXPECT_NE(note(report, 9603s, 9604s), "");
   report = {};
   report.landmarks_disputed = 2, report.disputed_ids = {1, 2};
-  const std::string both = note(report, 9602s);
-  EXPECT_EQ(both,
-            "ninedotd: landmarks 1 and 2 contradict each other: one of them does not hang where the map says; "
-            "measure both\n");
-  EXPECT_EQ(note(report, 9603s), "");
+  EXPECT_EQ(note(report, 9610s, 9612s),
+            "ninedotd: landmarks 1 and 2 contradict each other: one of them does not hang where the map says; measure "
+            "both\n");
   report.disputed_ids = {1, 3};
-  EXPECT_NE(note(report, 9604s), "") << "another pair";
+  EXPECT_NE(note(report, 9613s, 9614s), "") << "another pair";
+  report.landmarks_disputed = 1, report.disputed_ids = {3, 65535};
+  EXPECT_EQ(note(report, 9615s, 9617s), "") << "what is left of a pair is no news";
 }
 
 TEST(ServiceLog, TellsOnceWhatLandmarksShowOfTheShutter) {

@@ -238,7 +238,7 @@ test("registers decode as the service's own table says, in both word orders", as
   await close();
 });
 
-test("health names the landmarks that contradict each other, and one that hung elsewhere", async () => {
+test("health names the landmarks that contradict each other, and one that hangs elsewhere", async () => {
   const { page, close } = await open("health");
   await shown.health(page);
   const found = await page.evaluate(async () => {
@@ -251,13 +251,13 @@ test("health names the landmarks that contradict each other, and one that hung e
       return verdicts({ service: { registers }, camera: { rate_hz: 30 }, frame: null }, shared).find((check) => check.name === "Map");
     };
     return [
-      of({ last_rejected_id: 65535 }),
       of({ last_rejected_id: 7 }),
+      of({ last_rejected_id: 7, landmarks_rejected: 1 }),
       of({ last_rejected_id: 7, landmarks_disputed: 2, disputed_id_1: 8, disputed_id_2: 9 }),
       of({ last_rejected_id: 7, landmarks_disputed: 1, disputed_id_1: 9, disputed_id_2: 65535 }),
     ].map(({ kind, value }) => `${kind}: ${value}`);
   });
-  assert.deepEqual(found, ["good: as it is seen", "warn: landmark 7 hung elsewhere",
+  assert.deepEqual(found, ["good: as it is seen", "warn: landmark 7 hangs elsewhere",
     "bad: landmarks 8 and 9 contradict each other", "bad: landmark 9 contradicted another one"]);
   await close();
 });

@@ -48,10 +48,10 @@ export function verdicts(message, shared) {
   add("Modbus", `${value("connected_clients")} connected, ${errors} bus errors, ${value("exceptions")} exceptions`, errors > 0 || value("exceptions") > 0 ? "warn" : "good",
     errors > 0 ? "Broken frames on the serial line: baud, parity, cable, termination." : "A client asks for what there is not: address, quantity or function code. The log names it.");
   const disputed = value("landmarks_disputed");
-  const rejected = value("last_rejected_id");
-  add("Map", disputed > 1 ? `landmarks ${value("disputed_id_1")} and ${value("disputed_id_2")} contradict each other` : disputed ? `landmark ${value("disputed_id_1")} contradicted another one` : rejected < 65535 ? `landmark ${rejected} hung elsewhere` : "as it is seen",
-    disputed ? "bad" : rejected < 65535 ? "warn" : "good",
-    disputed ? "One of them does not hang where the map says, and neither places the camera alone: measure both, or map the room anew." : "Seen since the start, and poses are made without it: measure its place, or map the room anew.");
+  const rejected = value("landmarks_rejected");
+  add("Map", disputed > 1 ? `landmarks ${value("disputed_id_1")} and ${value("disputed_id_2")} contradict each other` : disputed ? `landmark ${value("disputed_id_1")} contradicted another one` : rejected ? `landmark ${value("last_rejected_id")} hangs elsewhere` : "as it is seen",
+    disputed ? "bad" : rejected ? "warn" : "good",
+    disputed ? "One of them does not hang where the map says, and neither places the camera alone: measure both, or map the room anew." : "Poses are made without it: measure its place, or map the room anew.");
   const cut = frame ? Object.values(frame.cut).reduce((sum, count) => sum + count, 0) : 0;
   add("Search", cut ? `${cut} left out since the start` : "nothing left out", cut ? "warn" : "good", "The picture is full of things that look like dots: a calmer background, or less of it in view.");
   const uptime = value("uptime");
