@@ -314,7 +314,12 @@ bool FullSolver::Workspace::fit_light(const ImageView& luma, const OutlineRefine
   // Sectors have more of their own than an edge has.
   if (!lit.has_light_edges() && lit.fit().residual_lsb > candidate.fit.residual_lsb) return false;
   if (lit.has_tone() && lit.fit().paper_lsb - lit.fit().contrast_lsb < kDarkest_lsb) return false;
-  const PoseCandidate better = candidate_of(lit, camera, landmark);
+  PoseCandidate better = candidate_of(lit, camera, landmark);
+  // Light that falls over much of a dot changes what its outline looks like more than where it is: a straight edge of a
+  // Gaussian's width explains the one less well than the other.
+  if (lit.has_penumbra())
+    if (const auto places = fit_to_places(better.dots, landmark, better.pose.T_landmark_camera.inverse()))
+      better = candidate_of(*places, better, camera, landmark);
   if (!is_nearby(candidate.pose, better.pose)) return false;
   candidate.dots = better.dots;
   if (lit.has_light_edges()) {

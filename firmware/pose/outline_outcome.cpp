@@ -14,6 +14,9 @@ namespace {
 // many groups make of the scatter. A disc of one and a half times its size has half of it. (Rings of dots of other
 // sizes are told by their shapes.)
 constexpr double kCentreInPlace = 0.25, kInPlace_px = 0.3;
+// Of a dot's radius, 1-sigma of an edge of light, the blur taken off: one through a window frame, close by, has a
+// tenth, one of the sun behind a beam some metres away two thirds.
+constexpr double kPenumbra = 0.2;
 constexpr double kUnseenShare = 1e-3;  // of a dot's information: directions that its outline says less of
 
 }  // namespace
@@ -99,6 +102,16 @@ int OutlineRefiner::shadowed_dots() const noexcept {
 
 bool OutlineRefiner::has_light_edges() const noexcept {
   return std::ranges::any_of(pixels_.light_edges, [](const auto& edge) { return edge.has_value(); });
+}
+
+bool OutlineRefiner::has_penumbra() const noexcept {
+  for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+    const std::optional<LightEdge>& edge = pixels_.light_edges[dot];
+    if (!edge) continue;
+    const double wide_px = kPenumbra * semi_minor_px(dot);
+    if (edge->width_px * edge->width_px - state_.blur_px2 > wide_px * wide_px) return true;
+  }
+  return false;
 }
 
 double OutlineRefiner::semi_minor_px(std::size_t dot) const noexcept {

@@ -66,6 +66,9 @@ class OutlineRefiner {
   /// Whether an edge of light explains one of them at least.
   bool has_light_edges() const noexcept;
 
+  /// Whether one of them is so wide that the light falls over a good part of its dot.
+  bool has_penumbra() const noexcept;
+
   /// How far a tone curve is more than an offset of the outlines, as wide as their blur is. 0..1
   double tone_share() const noexcept;
 

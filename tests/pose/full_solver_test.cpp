@@ -1,4 +1,5 @@
 #include "pose/full_solver.h"
+#include "pose/pose_of_places.h"
 
 #include <gtest/gtest.h>
 
@@ -153,6 +154,46 @@ TEST(FullSolver, AHardShadowHardlyMovesTheDotsThatItCrosses) {
   const double error_m = std::sqrt(squares_m2 / kViews);
   RecordProperty("error_mm", std::to_string(1e3 * error_m));
   EXPECT_LT(error_m, 0.28e-3);  // 0.34 with dots cut into sectors
+}
+
+/// The penumbra of a beam before the sun is as wide as a dot: there the dots' places alone say where the camera is. Of
+/// a shadow with a sharp edge the outlines' shapes do as well.
+TEST(FullSolver, APenumbraLeavesThePoseToTheDotsPlaces) {
+  constexpr int kViews = 24;
+  double squares_m2 = 0;
+  int by_places_in_penumbra = 0, by_places_in_hard_shadow = 0;
+  for (int i = 0; i < kViews; ++i) {
+    const auto seen_in = [&](double penumbra_m, test::Scene& scene) {
+      scene = scene_at({.distance_m = 1.2, .tilt_rad = 25 * kDegree, .azimuth_rad = 0.26 * i}, 0.2);
+      scene.light.shadows = {{.direction_rad = 0.7 * i,
+                              .offset_m = 0.005 * (i - 12),
+                              .width_m = 0.08,
+                              .penumbra_m = penumbra_m,
+                              .remaining = 0.3}};
+      return test::candidates_in(test::render(scene, static_cast<std::uint64_t>(i) + 1));
+    };
+    const auto is_by_places = [](const PoseCandidates& candidates) {
+      const PoseCandidate& candidate = candidates.list[0];
+      const CameraFromLandmark T = candidate.pose.T_landmark_camera.inverse();
+      const auto places = fit_to_places(candidate.dots, LandmarkGeometry{}, T);
+      return places && (places->T_camera_landmark.translation_m - T.translation_m).norm() < 1e-7;
+    };
+    test::Scene scene;
+    const auto soft = seen_in(0.03, scene);
+    ASSERT_TRUE(soft) << i;
+    squares_m2 += errors_of(scene, soft->list[0].pose).pose.head<3>().squaredNorm();
+    by_places_in_penumbra += is_by_places(*soft);
+    const auto hard = seen_in(0.003, scene);
+    ASSERT_TRUE(hard) << i;
+    by_places_in_hard_shadow += is_by_places(*hard);
+  }
+  const double error_m = std::sqrt(squares_m2 / kViews);
+  RecordProperty("error_mm", std::to_string(1e3 * error_m));
+  RecordProperty("penumbra", by_places_in_penumbra);
+  RecordProperty("hard", by_places_in_hard_shadow);
+  EXPECT_LT(error_m, 0.6e-3);
+  EXPECT_GT(by_places_in_penumbra, kViews / 2);
+  EXPECT_EQ(by_places_in_hard_shadow, 0);
 }
 
 /// Edges are looked for with what is left: where that is little the pose is the one without, and something stays.

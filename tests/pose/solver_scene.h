@@ -36,13 +36,15 @@ inline Scene scene_at(const Viewpoint& viewpoint, double noise_lsb = 1.5) {
   return scene;
 }
 
-inline Result<PoseEstimate> pose_of(const Picture& picture) {
+inline Result<PoseCandidates> candidates_in(const Picture& picture) {
   Detector detector(CameraModel{}, LandmarkGeometry{});
   FullSolver solver(CameraModel{}, LandmarkGeometry{});
   const auto seen = detector.find_landmarks(picture.view());
   if (!seen) return tl::unexpected<Error>(seen.error());
   int pixels = WorkBudget{}.pixels;
-  return best_pose(solver.solve(picture.view(), seen->front(), nullptr, pixels));
+  return solver.solve(picture.view(), seen->front(), nullptr, pixels);
 }
+
+inline Result<PoseEstimate> pose_of(const Picture& picture) { return best_pose(candidates_in(picture)); }
 
 }  // namespace ninedot::test
