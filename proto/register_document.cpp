@@ -59,6 +59,7 @@ std::string range_text(const RegisterEntry& entry) {
   return fmt::format("{}..{}", entry.lowest, entry.highest);
 }
 
+static_assert(kRegisterCount == 167, "the texts below say where the map ends");
 constexpr std::string_view kMarkdownHead = R"(# Register map
 
 Made by `ninedot registers --format md` from the table in `proto/register_map.h`; do not edit.
@@ -66,7 +67,7 @@ Made by `ninedot registers --format md` from the table in `proto/register_map.h`
 Addresses are 0-based, as on the wire; a tool that counts from 1 (mbpoll without `-0`, 40001-style notation) needs one
 more. Function codes 03 (holding registers) and 04 (input registers) show the same contents, because controllers differ
 in what they can read. One request reads at most 125 registers: from 0 on all but the angles and who the
-device is, from 37 on all with them. The map ends at address 163. **Whatever one reply holds is from one frame.**
+device is, from 42 on all with them. The map ends at address 166. **Whatever one reply holds is from one frame.**
 
 Try it:
 
@@ -134,7 +135,7 @@ gives back what was written. A request that writes several registers is carried 
 | code | when |
 |---|---|
 | 01 | a function code other than 03 and 04, or 06 and 16 while writes are enabled |
-| 02 | an address beyond 163, or a write to a register that is not marked `rw` |
+| 02 | an address beyond 166, or a write to a register that is not marked `rw` |
 | 03 | a quantity of 0 or above 125 (write: 123), a request whose length is wrong, a written value out of range |
 | 04 | a command that this device can't carry out (no pan/tilt head) |
 

@@ -74,9 +74,9 @@ TEST_F(ModbusRequest, AWindowShowsTheSameRegistersAsTheWholeMap) {
 }
 
 TEST_F(ModbusRequest, AddressesBeyondTheMapAreException02) {
-  EXPECT_EQ(ask(read_pdu(164, 1)), exception(3, ModbusException::kIllegalAddress));
-  EXPECT_EQ(ask(read_pdu(163, 2)), exception(3, ModbusException::kIllegalAddress));
-  EXPECT_EQ(ask(read_pdu(40, 125, 4)), exception(4, ModbusException::kIllegalAddress));
+  EXPECT_EQ(ask(read_pdu(kRegisterCount, 1)), exception(3, ModbusException::kIllegalAddress));
+  EXPECT_EQ(ask(read_pdu(kRegisterCount - 1, 2)), exception(3, ModbusException::kIllegalAddress));
+  EXPECT_EQ(ask(read_pdu(kRegisterCount - 124, 125, 4)), exception(4, ModbusException::kIllegalAddress));
   EXPECT_EQ(ask(read_pdu(65535, 125)), exception(3, ModbusException::kIllegalAddress)) << "the end must not wrap";
 }
 

@@ -128,7 +128,7 @@ TEST_F(ModbusRtu, ExceptionsAreAnsweredWithACheckSum) {
   start();
   line_.send(rtu_frame(1, read_pdu(0, 126)));
   EXPECT_EQ(line_.receive(5), rtu_frame(1, {0x83, 3}));
-  line_.send(rtu_frame(1, read_pdu(164, 1)));
+  line_.send(rtu_frame(1, read_pdu(kRegisterCount, 1)));
   EXPECT_EQ(line_.receive(5), rtu_frame(1, {0x83, 2}));
   line_.send(rtu_frame(1, {43, 14, 1, 0}));
   EXPECT_EQ(line_.receive(5), rtu_frame(1, {0xAB, 1}));
