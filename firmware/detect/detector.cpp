@@ -266,7 +266,10 @@ bool Detector::Workspace::keep_confirmed(VerifyOne&& verify_one) noexcept {
 bool Detector::Workspace::verify_all(const ImageView& luma, const Sight& sight) noexcept {
   return keep_confirmed([&](const Hypothesis& hypothesis) {
     const Verification v = verify(luma, sight, hypothesis);
-    if (!v.accepted() && &sight == &whole) note_refusal(hypothesis, v), note_three(hypothesis, v);
+    if (!v.accepted() && &sight == &whole) {
+      note_refusal(hypothesis, v);
+      note_three(hypothesis, v);
+    }
     return v;
   });
 }

@@ -217,11 +217,14 @@ bool RoomLocaliser::begin_where_expected(const Frame& frame, const CameraFromLan
   }
   if (!chosen) chosen = lens_->seeker.look_at(frame, T_camera_landmark, landmark.track);
   if (!chosen) return false;
-  if (InView* stranger = in_view_at(there.H_ray_plane)) {
-    *stranger = in_view_[in_view_.size() - 1];
+  take_found(landmark, *chosen);
+  // One sheet is in view once: as what it was found to be, and no more as the stranger that it was.
+  const LandmarkForecast found(landmark.candidates.list[*chosen].pose.T_landmark_camera.inverse());
+  if (InView* same = in_view_at(found.H_ray_plane)) {
+    if (!is_stranger(*same)) return false;
+    *same = in_view_[in_view_.size() - 1];
     in_view_.pop_back();
   }
-  take_found(landmark, *chosen);
   (void)in_view_.try_push_back(landmark);
   return true;
 }

@@ -316,8 +316,8 @@ bool FullSolver::Workspace::fit_light(const ImageView& luma, const OutlineRefine
   if (lit.has_tone() && lit.fit().paper_lsb - lit.fit().contrast_lsb < kDarkest_lsb) return false;
   PoseCandidate better = candidate_of(lit, camera, landmark);
   // Light that falls over much of a dot changes what its outline looks like more than where it is: a straight edge of a
-  // Gaussian's width explains the one less well than the other.
-  if (lit.has_penumbra())
+  // Gaussian's width explains the one less well than the other. Few dots say too little by their places.
+  if (lit.has_penumbra() && better.pose.dots_used > kFewDots)
     if (const auto places = fit_to_places(better.dots, landmark, better.pose.T_landmark_camera.inverse()))
       better = candidate_of(*places, better, camera, landmark);
   if (!is_nearby(candidate.pose, better.pose)) return false;
