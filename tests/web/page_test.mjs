@@ -255,10 +255,11 @@ test("health names the landmarks that contradict each other, and one that hangs 
       of({ last_rejected_id: 7, landmarks_rejected: 1 }),
       of({ last_rejected_id: 7, landmarks_disputed: 2, disputed_id_1: 8, disputed_id_2: 9 }),
       of({ last_rejected_id: 7, landmarks_disputed: 1, disputed_id_1: 9, disputed_id_2: 65535 }),
-    ].map(({ kind, value }) => `${kind}: ${value}`);
+    ].map(({ kind, value, advice = "" }) => `${kind}: ${value}; ${/^.*?(?=:|$)/.exec(advice)[0]}`);
   });
-  assert.deepEqual(found, ["good: as it is seen", "warn: landmark 7 hangs elsewhere",
-    "bad: landmarks 8 and 9 contradict each other", "bad: landmark 9 contradicted another one"]);
+  assert.deepEqual(found, ["good: as it is seen; ", "warn: landmark 7 hangs elsewhere; Poses are made without it",
+    "bad: landmarks 8 and 9 contradict each other; One of them does not hang where the map says, and neither places the camera alone",
+    "bad: landmark 9 contradicted another one; It does not place the camera alone until it has agreed with others"]);
   await close();
 });
 

@@ -49,9 +49,13 @@ export function verdicts(message, shared) {
     errors > 0 ? "Broken frames on the serial line: baud, parity, cable, termination." : "A client asks for what there is not: address, quantity or function code. The log names it.");
   const disputed = value("landmarks_disputed");
   const rejected = value("landmarks_rejected");
-  add("Map", disputed > 1 ? `landmarks ${value("disputed_id_1")} and ${value("disputed_id_2")} contradict each other` : disputed ? `landmark ${value("disputed_id_1")} contradicted another one` : rejected ? `landmark ${value("last_rejected_id")} hangs elsewhere` : "as it is seen",
-    disputed ? "bad" : rejected ? "warn" : "good",
-    disputed ? "One of them does not hang where the map says, and neither places the camera alone: measure both, or map the room anew." : "Poses are made without it: measure its place, or map the room anew.");
+  const first = value("disputed_id_1");
+  const [said, verdict, advice] = disputed > 1 ? [`landmarks ${first} and ${value("disputed_id_2")} contradict each other`, "bad",
+    "One of them does not hang where the map says, and neither places the camera alone: measure both, or map the room anew."]
+    : disputed ? [`landmark ${first} contradicted another one`, "bad", "It does not place the camera alone until it has agreed with others: measure its place, or map the room anew."]
+    : rejected ? [`landmark ${value("last_rejected_id")} hangs elsewhere`, "warn", "Poses are made without it: measure its place, or map the room anew."]
+    : ["as it is seen", "good"];
+  add("Map", said, verdict, advice);
   const cut = frame ? Object.values(frame.cut).reduce((sum, count) => sum + count, 0) : 0;
   add("Search", cut ? `${cut} left out since the start` : "nothing left out", cut ? "warn" : "good", "The picture is full of things that look like dots: a calmer background, or less of it in view.");
   const uptime = value("uptime");
