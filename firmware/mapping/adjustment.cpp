@@ -5,10 +5,12 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "base/contract.h"
@@ -44,15 +46,42 @@ Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& r) {
          (angle - std::sin(angle)) / (angle * angle * angle) * X * X;
 }
 
+/// What a turn of the camera that all of a landmark's dots share takes out of their distances: with the dots' own
+/// sigmas as the unit, (1 + T T^T)^-1/2 = 1 - T K T^T, where T is how they move per sigma of the turn.
+class SharedTurn {
+ public:
+  SharedTurn(const LandmarkSighting& seen, const std::array<Eigen::Matrix2d, kDotCount>& root) {
+    if (!(seen.turn_sigma_rad > 0)) return;
+    for (std::size_t dot = 0; dot < kDotCount; ++dot) {
+      const Eigen::Vector3d ray = seen.dots[dot].ray.homogeneous();
+      Eigen::Matrix<double, 2, 3> J_ray;
+      J_ray << 1, 0, -ray.x(), 0, 1, -ray.y();
+      T_.middleRows<2>(2 * static_cast<Eigen::Index>(dot)) =
+          seen.turn_sigma_rad * root[dot] * J_ray * cross_matrix(ray);
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(T_.transpose() * T_);
+    const Eigen::Array3d held = eigen.eigenvalues().array().max(std::numeric_limits<double>::min());
+    const Eigen::Vector3d share = (1 - (1 + held).rsqrt()) / held;
+    TK_ = T_ * eigen.eigenvectors() * share.asDiagonal() * eigen.eigenvectors().transpose();
+  }
+
+  /// \param columns  residuals, or their derivatives
+  template <typename Columns>
+  void take_out(Columns&& columns) const {
+    columns -= TK_ * (T_.transpose() * columns).eval();
+  }
+
+ private:
+  using Turns = Eigen::Matrix<double, 2 * static_cast<int>(kDotCount), 3>;
+  Turns T_ = Turns::Zero(), TK_ = Turns::Zero();
+};
+
 /// Distances of the dots, predicted minus seen, in their own sigmas. Unknowns: steps of the camera and of the landmark.
 class SightingCost final : public ceres::SizedCostFunction<2 * static_cast<int>(kDotCount), 6, 6> {
  public:
   SightingCost(const LandmarkSighting& seen, const WorldFromCamera& camera, const WorldFromLandmark& place,
                const LandmarkGeometry& geometry)
-      : seen_(seen), camera_(camera), place_(place), geometry_(geometry) {
-    for (std::size_t dot = 0; dot < kDotCount; ++dot)
-      root_[dot] = seen.dots[dot].information.llt().matrixU();  // W = U^T U
-  }
+      : seen_(seen), camera_(camera), place_(place), geometry_(geometry), root_(roots(seen)), turn_(seen, root_) {}
 
   bool Evaluate(const double* const* steps, double* residuals, double** jacobians) const override {
     const Eigen::Map<const Vector6> camera_step(steps[0]), place_step(steps[1]);
@@ -81,15 +110,28 @@ class SightingCost final : public ceres::SizedCostFunction<2 * static_cast<int>(
         Eigen::Map<Block>(jacobians[1]).middleRows<2>(row) << J_ray * R_camera_world,
             -J_ray * R_camera_world * cross_matrix(from_middle) * J_place;
     }
+    turn_.take_out(Eigen::Map<Eigen::Vector<double, 2 * static_cast<int>(kDotCount)>>(residuals));
+    for (int block = 0; jacobians != nullptr && block < 2; ++block)
+      if (jacobians[block] != nullptr) turn_.take_out(Eigen::Map<Block>(jacobians[block]));
     return true;
   }
 
  private:
+  using Roots = std::array<Eigen::Matrix2d, kDotCount>;
+
+  /// W = U^T U
+  static Roots roots(const LandmarkSighting& seen) {
+    Roots root;
+    for (std::size_t dot = 0; dot < kDotCount; ++dot) root[dot] = seen.dots[dot].information.llt().matrixU();
+    return root;
+  }
+
   const LandmarkSighting& seen_;
   const WorldFromCamera& camera_;
   const WorldFromLandmark& place_;
   const LandmarkGeometry& geometry_;
-  std::array<Eigen::Matrix2d, kDotCount> root_;
+  const Roots root_;
+  const SharedTurn turn_;
 };
 
 /// How far a landmark is from where it was surveyed, in sigmas.

@@ -103,7 +103,7 @@ class Camera {
 
   void add_sighting(const MappedLandmark& landmark, const WorldFromLandmark& place, const WorldFromCamera& camera,
                     std::vector<LandmarkSighting>& list) {
-    const CameraFromLandmark T = camera.inverse() * place;
+    CameraFromLandmark T = camera.inverse() * place;
     const double distance_m = T.translation_m.norm();
     const Eigen::Vector3d to_camera = camera.translation_m - place.translation_m;
     if (T.translation_m.z() < 0.5 || distance_m > kFarthest_m ||
@@ -114,6 +114,12 @@ class Camera {
       return;
     LandmarkSighting seen;
     seen.id = landmark.id;
+    if (options_.turn_sigma_rad > 0 && landmark.id % 2 == 0) {
+      seen.turn_sigma_rad = options_.turn_sigma_rad;
+      const Eigen::Matrix3d turn =
+          exp_so3(options_.turn_sigma_rad * Eigen::Vector3d(random_.normal(), random_.normal(), random_.normal()));
+      T = {turn * T.rotation, turn * T.translation_m};
+    }
     seen.T_camera_landmark = random_.uniform(0, 1) < options_.mirrored ? mirrored(T) : T;
     for (std::size_t dot = 0; dot < kDotCount; ++dot) {
       const Eigen::Vector2d on_sheet_m = kSheet.centre_m(dot);

@@ -18,8 +18,11 @@ struct HallOptions {
   double noise = 1;             ///< in the sightings' own sigmas [1]
   double wrong_identities = 0;  ///< share of the sightings that bear another landmark's id [1]
   double mirrored = 0.5;        ///< share of the sightings whose own pose is the mirror image, or nearly that [1]
-  std::uint16_t moved_id = 0;   ///< this sheet hangs 150 mm beside in the last `moved_share` of the pictures
-  double moved_share = 0;       ///< [1]
+  /// Of a rolling shutter: in every second sighting the camera has turned by so much, 1-sigma, and the sighting says
+  /// so.
+  double turn_sigma_rad = 0;
+  std::uint16_t moved_id = 0;  ///< this sheet hangs 150 mm beside in the last `moved_share` of the pictures
+  double moved_share = 0;      ///< [1]
 };
 
 struct Hall {
