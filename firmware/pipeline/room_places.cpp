@@ -138,7 +138,10 @@ void RoomLocaliser::report_world(const WorldPose& world, std::span<const Sighted
     // Found so just now, or before: then it needs no place in the world to be named.
     const bool is_found_moved = world.is_valid() || (sighted[i].coded && room_->world.moved().is_moved(*map_index));
     if (is_found_moved && verdict.use == SightingUse::kRejected) (void)fix_.rejected.try_push_back(id);
-    add_fix(landmark, *map_index, verdict, world);
+    if (verdict.use == SightingUse::kMisread)
+      landmark.forget_identity();
+    else
+      add_fix(landmark, *map_index, verdict, world);
   }
 }
 

@@ -53,6 +53,7 @@ enum class SightingUse : std::uint8_t {
   kRejected,       ///< its landmark does not hang where the map says
   kNotIdentified,  ///< no landmark of the map explains it, or several do
   kNoPlace,        ///< its landmark has no place in the map
+  kMisread,        ///< its landmark hangs where the map says, and another of its dots is P1 than its colours said
 };
 
 /// What became of one sighting; indices and chi^2 [1].

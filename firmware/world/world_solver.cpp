@@ -20,6 +20,9 @@ constexpr int kMaxPairs = 21;
 /// landmark for good: only odds so far below those of an answer do. [1]
 constexpr double kSure = 0.01;
 
+/// Odds that colours leave: of large dots they are 1e-9 and less.
+constexpr double kBeyondDoubt = 1e-6;
+
 Choice coded_choice(const Scene& scene, std::size_t sighting) noexcept { return {*scene.seen()[sighting].coded}; }
 
 /// Whether some hypothesis has two sightings, or one, in use.
@@ -104,6 +107,16 @@ SightingVerdict verdict_alone(const Scene& scene, std::size_t sighting) noexcept
   return verdict;
 }
 
+/// Seen where it hangs, but turned by eighths of its ring: small dots' colours were misread. A sheet whose colours are
+/// beyond doubt was hung up so.
+bool is_misread(const Scene& scene, std::size_t sighting, const Hypothesis& best) noexcept {
+  if (!scene.is_known(sighting) || scene.seen()[sighting].others_odds < kBeyondDoubt) return false;
+  Choice turned = coded_choice(scene, sighting);
+  for (turned.turn = 1; turned.turn < kRingDotCount; ++turned.turn)
+    if (disagreement_chi2(scene, sighting, turned, best) <= scene.options().max_disagreement_chi2) return true;
+  return false;
+}
+
 SightingVerdict verdict_in(const Scene& scene, std::size_t sighting, const Hypothesis& best) noexcept {
   const Choice& choice = best.choices[sighting];
   if (choice.is_made()) return {SightingUse::kUsed, choice.landmark, choice.turn, best.against_rest_chi2[sighting]};
@@ -113,6 +126,7 @@ SightingVerdict verdict_in(const Scene& scene, std::size_t sighting, const Hypot
   else if (scene.is_anonymous(sighting) && scene.determines_pose(sighting))
     moved = nearest_unseen(scene, sighting, best);
   if (!moved.is_made() || !scene.determines_pose(sighting)) return verdict_alone(scene, sighting);
+  if (is_misread(scene, sighting, best)) return {.use = SightingUse::kMisread, .landmark = moved.landmark};
   return {SightingUse::kRejected, moved.landmark, moved.turn, disagreement_chi2(scene, sighting, moved, best)};
 }
 

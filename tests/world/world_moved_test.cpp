@@ -1,6 +1,7 @@
 // Landmarks that do not hang where the map says.
 #include <gtest/gtest.h>
 
+#include "geometry/renumbered.h"
 #include "tests/world/room.h"
 
 namespace ninedot {
@@ -281,6 +282,25 @@ TEST(WorldMoved, IsRememberedWhereNothingContradictsItAndForgivenAfterItAgreed) 
   ASSERT_TRUE(solver.solve(moved).is_valid());
   solver.forget_moved();
   EXPECT_FALSE(solver.moved().is_moved(1));
+}
+
+/// Small dots' colours tell the landmark, and not always which of them is P1: it hangs where the map says all the same.
+TEST(WorldMoved, ASheetWhoseColoursWereMisreadWasNotMoved) {
+  Random random(17);
+  const Room room = test::random_room(random, {.landmarks = 3, .farthest_m = 3, .most_tilt_rad = 50 * kDeg});
+  for (const double others_odds : {1e-3, 1e-9}) {
+    auto seen = test::sightings_of(random, room);
+    LandmarkSighting& misread = seen[1].sighting;
+    misread.T_camera_landmark = renumbered(misread.T_camera_landmark, 3);
+    misread.dots = renumbered(misread.dots, 3);
+    seen[1].others_odds = others_odds;
+    WorldSolver solver(room.map, {});
+    const WorldPose pose = solver.solve(seen);
+    ASSERT_TRUE(pose.is_valid());
+    const bool may_be_misread = others_odds > 1e-6;
+    EXPECT_EQ(pose.sightings[1].use, may_be_misread ? SightingUse::kMisread : SightingUse::kRejected);
+    EXPECT_EQ(solver.moved().is_moved(1), !may_be_misread) << "one that was hung up turned is named";
+  }
 }
 
 TEST(WorldMoved, ASheetBesideItsReflectionWasNotMoved) {
