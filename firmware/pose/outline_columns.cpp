@@ -25,6 +25,11 @@ constexpr float kLeastVariance_px2 = 0.1F;  // below a pixel's own 1/12 and a bi
 // From an outline to a side of the sheet: the band of pixels and what the blur brings into it, of the usual blur and of
 // a wider one.
 constexpr float kSeenBeyond_px = 5.5F, kSeenBeyondSigmas = 6.5F;
+/// What a tone curve moves a dot's outline inwards, into the dark, it moves the sheet's sides outwards, by less the
+/// brighter the wall is: 0.25 of it by one half as bright as paper, 0.38 by one of a third, 0.6 by one of a fifth (an
+/// sRGB curve, whatever the light). Left out, it moves dots beside the sides towards P9: by 0.01 to 0.03 px where
+/// those are two pixels away.
+constexpr double kWallShare = 0.25;
 constexpr double kDiagonal = 0.5;          // of both coordinates of a unit vector: 30 degrees from either axis
 constexpr float kNotAtCentre_m2 = 1e-12F;  // (1 um)^2: keeps the direction at a dot's very middle finite
 
@@ -60,8 +65,9 @@ struct SideSlope {
 /// its direction is.
 inline float share_beyond_side(const DotView& v, float ox, float oz, float mx, float my) noexcept {
   const SideSlope slope(v, ox, oz, mx, my);
-  const float z = (slope.along_m - (ox * v.origin.x() + oz * v.origin.y()) - v.paper_radius_m) / slope.m_per_px() *
-                  blur_along(v, slope.x, slope.y, slope.length2()).per_px;
+  const float past_m = slope.along_m - (ox * v.origin.x() + oz * v.origin.y()) - v.paper_radius_m;
+  const float z =
+      (past_m / slope.m_per_px() - v.side_offset_px) * blur_along(v, slope.x, slope.y, slope.length2()).per_px;
   const float tail = normal_tail(z).tail;
   return z > 0 ? 1 - tail : tail;
 }
@@ -380,6 +386,8 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
     (void)beyond.try_push_back(outward.cast<float>());
   }
   offset_px = static_cast<float>(state.offset_px);
+  // Where the tone has a column of its own the offset is not its doing.
+  side_offset_px = pixels.has_tone ? 0 : static_cast<float>(-kWallShare * std::min(state.offset_px, 0.0));
   ink_share = pixels.ink_share;
   has_tone = pixels.has_tone;
   tone = static_cast<float>(state.tone);

@@ -61,10 +61,11 @@ struct DotView {
   float radius_m, paper_radius_m;
   float bend;  ///< what the outline's curvature times (slope / depth)^3 is, over depth^3 [1/m^3 px^2]
   float blur_px2, blur_cos_px2, blur_sin_px2, offset_px;
-  float ink_share;     ///< OutlinePixels::ink_share
-  bool has_tone;       ///< OutlinePixels::has_tone
-  float tone;          ///< OutlineState::tone [1]
-  ToneBend tone_bend;  ///< OutlinePixels::tone_bends [1]
+  float side_offset_px;  ///< the sheet's sides are this much further out than at the paper's radius
+  float ink_share;       ///< OutlinePixels::ink_share
+  bool has_tone;         ///< OutlinePixels::has_tone
+  float tone;            ///< OutlineState::tone [1]
+  ToneBend tone_bend;    ///< OutlinePixels::tone_bends [1]
 };
 
 /// Some pixels of a group.

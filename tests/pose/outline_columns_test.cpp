@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "geometry/transform.h"
@@ -30,23 +31,29 @@ CameraFromLandmark sheet_from(double distance_m, double turned_rad) {
   return T;
 }
 
+/// One column's share of each pixel.
+std::vector<double> shares_of(const OutlinePixels& pixels, const OutlineGroup& group, const OutlineState& state,
+                              std::size_t column) {
+  const DotView view(pixels, {}, state, group.dot);
+  const BlurredDisc disc(pixels, {}, state, group.dot, Asked::kState);
+  ColumnBatches batches{};
+  std::vector<double> shares;
+  const auto count = static_cast<std::size_t>(group.count);
+  while (shares.size() < count) {
+    const std::size_t some = std::min(count - shares.size(), kLanes * kMaxBatches);
+    fill_columns(pixels, group, view, disc, {static_cast<std::size_t>(group.first) + shares.size(), some},
+                 Asked::kState, batches);
+    for (std::size_t i = 0; i < some; ++i)
+      shares.push_back(static_cast<double>(batches[i / kLanes][column][i % kLanes]));
+  }
+  return shares;
+}
+
 /// Of each pixel the share that is ink.
 std::vector<double> ink_of(const OutlinePixels& pixels, const OutlineGroup& group, const CameraFromLandmark& T) {
   OutlineState state;
   state.T_camera_landmark = T;
-  const DotView view(pixels, {}, state, group.dot);
-  const BlurredDisc disc(pixels, {}, state, group.dot, Asked::kState);
-  ColumnBatches batches{};
-  std::vector<double> ink;
-  const auto count = static_cast<std::size_t>(group.count);
-  while (ink.size() < count) {
-    const std::size_t some = std::min(count - ink.size(), kLanes * kMaxBatches);
-    fill_columns(pixels, group, view, disc, {static_cast<std::size_t>(group.first) + ink.size(), some}, Asked::kState,
-                 batches);
-    for (std::size_t i = 0; i < some; ++i)
-      ink.push_back(static_cast<double>(batches[i / kLanes][kInkColumn][i % kLanes]));
-  }
-  return ink;
+  return shares_of(pixels, group, state, kInkColumn);
 }
 
 /// By how much a group's outline is off, rms, while the camera turns by steps of a hundred-thousandth of a pixel. [px]
@@ -116,6 +123,32 @@ TEST(OutlineColumns, ADotOnADiagonalSeesBothSidesOnceOneIsNearInThePicture) {
   EXPECT_EQ(sides(3.2, 0, 0.7, 0, kDiagonal), 1U);
   EXPECT_EQ(sides(3.2, 0, 0.7, 2.1, kDiagonal), 2U);
   EXPECT_EQ(sides(3.2, 1.05, 0.7, 2.1, kBeside), 1U);
+}
+
+// A tone curve moves edges into the dark: dots' outlines inwards, the sheet's sides outwards.
+TEST(OutlineColumns, TheSheetsSidesAreFurtherOutWhereTheToneHasDotsSmaller) {
+  const CameraModel camera;
+  const RayTable rays(camera);
+  const std::vector<std::uint8_t> grey(static_cast<std::size_t>(camera.width_px * camera.height_px), 128);
+  OutlineState state;
+  state.T_camera_landmark = sheet_from(4, 0);
+  OutlinePixels pixels(12000);
+  collect_outline_pixels({grey.data(), camera.width_px, camera.height_px, camera.width_px}, camera, rays, {},
+                         state.T_camera_landmark, 3, 1, {}, {}, pixels);
+  const auto beside = std::ranges::find(pixels.groups.span(), 2, &OutlineGroup::dot);
+  ASSERT_TRUE(beside->at_paper_edge);
+  const auto beyond_px = [&](double offset_px) {
+    state.offset_px = offset_px;
+    const std::vector<double> shares = shares_of(pixels, *beside, state, kBeyondColumn);
+    return std::accumulate(shares.begin(), shares.end(), 0.0);
+  };
+  const double without_px = beyond_px(0), with_px = beyond_px(-0.4);
+  // A tenth of a pixel, of a strip that is some four pixels long.
+  EXPECT_LT(with_px, without_px - 0.3);
+  EXPECT_GT(with_px, without_px - 0.6);
+  EXPECT_EQ(beyond_px(0.4), without_px) << "no curve moves ink outwards";
+  pixels.has_tone = true;
+  EXPECT_EQ(beyond_px(-0.4), without_px) << "the tone's own column has it";
 }
 
 }  // namespace
