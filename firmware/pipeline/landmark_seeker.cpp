@@ -4,17 +4,15 @@
 #include <optional>
 
 #include "detect/numbering.h"
+#include "pipeline/retaken_rows.h"
 #include "pose/observation_of_pose.h"
 
 namespace ninedot {
 namespace {
 
-// Of a landmark that was in two frames: 0.05 px of noise each, 35 frames a second, at a focal length of 600 px.
-constexpr double kFollowedRate_rad_s = 0.004;
-// Of one that was detected in both: 0.2 px of each middle, dots of 3 px under motion blur.
+// Of a landmark that was detected in two frames, 35 a second, at a focal length of 600 px: 0.2 px of each middle, dots
+// of 3 px under motion blur.
 constexpr double kSeenRate_rad_s = 0.02;
-// Of a camera of which nothing is known: a robot that turns at 40 degrees per second.
-constexpr double kUnknownRate_rad_s = 0.7;
 // Beside other landmarks one is of use by its direction and its distance, whatever its tilt. Pattern: rendered rooms, 5
 // to 6.4 m.
 constexpr FullSolverOptions kInRooms{.most_sigma = 1, .pattern_px = 0.1};
@@ -33,6 +31,7 @@ LandmarkSeeker::LandmarkSeeker(const CameraModel& camera, const SeekerOptions& o
 void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget, const RowTime& rows,
                            const std::optional<CameraTwist>& twist) noexcept {
   frame_at_ = frame.exposed_at();
+  unrest_.begin(frame_at_);
   rows_ = rows;
   twist_ = twist;
   noise_ = PictureNoise(frame.luma);
@@ -62,30 +61,62 @@ std::optional<SheetMotion> LandmarkSeeker::first_motion(const Track& track,
   return track.motion_across(t_camera_m.hnormalized(), frame_at_);
 }
 
-/// \param track  of the landmark, before this frame \param t_camera_m  where it is, about
-/// \param is_seen_there  its dots are, in this frame; else it is expected there
-RowMotion LandmarkSeeker::motion_of(const Track& track, const Eigen::Vector3d& t_camera_m,
-                                    bool is_seen_there) const noexcept {
+/// What a fit takes for its motion. \param track  of the landmark, before this frame \param t_camera_m  where it is,
+/// about \param is_seen_there  its dots are, in this frame; else it is expected there
+MeasuredMotion LandmarkSeeker::motion_of(const Track& track, const Eigen::Vector3d& t_camera_m,
+                                         bool is_seen_there) const noexcept {
   const auto own = track.motion_at(frame_at_);
   const auto across = is_seen_there ? first_motion(track, t_camera_m) : std::nullopt;
-  RowMotion motion;
-  motion.sheet = own ? *own : twist_ ? twist_->of_sheet_at(t_camera_m) : across.value_or(SheetMotion{});
-  motion.sheet.row_time_s = rows_.mean_s;
-  motion.sheet.middle_row_px = 0.5 * (camera_.height_px - 1);
-  const double rate_sigma_rad_s = own      ? kFollowedRate_rad_s
-                                  : twist_ ? twist_->rate_sigma_rad_s
-                                  : across ? kSeenRate_rad_s
-                                           : kUnknownRate_rad_s;
-  motion.uncertainty = uncertainty(motion.sheet, t_camera_m, rate_sigma_rad_s);
+  MeasuredMotion motion;
+  motion.sheet = with_rows(own ? *own : twist_ ? twist_->of_sheet_at(t_camera_m) : across.value_or(SheetMotion{}));
+  // A track that foretells the motion will have measured it afterwards.
+  motion.rate_sigma_rad_s = !own && twist_   ? std::hypot(twist_->rate_sigma_rad_s, unrest_.unexpected_rad_s())
+                            : !own && across ? kSeenRate_rad_s
+                                             : unrest_.speed_rad_s();
   return motion;
 }
 
+SheetMotion LandmarkSeeker::with_rows(SheetMotion motion) const noexcept {
+  motion.row_time_s = rows_.mean_s;
+  motion.middle_row_px = 0.5 * (camera_.height_px - 1);
+  return motion;
+}
+
+/// 1-sigma, of the speed that a track has measured: what it gained since the middle of its two frames, or by how much
+/// it gains ever more: a third of what that changes the speed from one frame to the next.
+double LandmarkSeeker::rate_sigma(const MeasuredMotion& measured) const noexcept {
+  const double unknown_rad_s2 =
+      measured.gain ? measured.gain->change_1_s2.norm() / 3 : unrest_.acceleration_rad_s2() / 2;
+  return std::hypot(measured.rate_sigma_rad_s, measured.over_s * unknown_rad_s2);
+}
+
+/// What fits into the track, and by what the track knows of the motion then. \param taken  what the fit took for it
+Result<std::size_t> LandmarkSeeker::take(const MeasuredMotion& taken, Track& track) noexcept {
+  NINEDOT_TRY(const std::size_t chosen, track.take(candidates_, frame_at_));
+  MeasuredMotion known = taken;
+  if (const auto measured = track.motion_now()) {
+    const Eigen::Vector3d t_m = candidates_.list[chosen].pose.T_landmark_camera.inverse().translation_m;
+    unrest_.note(measured->sheet.ray_velocity(t_m, t_m).norm(),
+                 measured->gain ? measured->gain->acceleration_1_s2.norm() : 0);
+    if (const double sigma_rad_s = rate_sigma(*measured); sigma_rad_s < taken.rate_sigma_rad_s) {
+      // How a sheet turns one landmark tells poorly: that stays.
+      known.sheet = with_rows({taken.sheet.rotation_rad_s, measured->sheet.translation_m_s});
+      known.rate_sigma_rad_s = sigma_rad_s;
+      for (PoseCandidate& candidate : candidates_.list)
+        retake_rows(candidate, taken.sheet, known.sheet, options_.landmark, camera_);
+    }
+  }
+  const Eigen::Vector3d t_camera_m = candidates_.list[chosen].pose.T_landmark_camera.inverse().translation_m;
+  row_motion_ = {known.sheet, uncertainty(known, t_camera_m)};
+  return chosen;
+}
+
 /// Of the product of how it moves and of the row time.
-RowUncertainty LandmarkSeeker::uncertainty(const SheetMotion& motion, const Eigen::Vector3d& t_camera_m,
-                                           double rate_sigma_rad_s) const noexcept {
-  const double moves_1_s = motion.ray_velocity(t_camera_m, t_camera_m).norm();
-  return {rate_sigma_rad_s * std::abs(rows_.mean_s), moves_1_s * rows_.sigma_s, rate_sigma_rad_s * rows_.sigma_s,
-          motion.middle_row_px};
+RowUncertainty LandmarkSeeker::uncertainty(const MeasuredMotion& motion,
+                                           const Eigen::Vector3d& t_camera_m) const noexcept {
+  const double moves_1_s = motion.sheet.ray_velocity(t_camera_m, t_camera_m).norm();
+  return {motion.rate_sigma_rad_s * std::abs(rows_.mean_s), moves_1_s * rows_.sigma_s,
+          motion.rate_sigma_rad_s * rows_.sigma_s, motion.sheet.middle_row_px};
 }
 
 FitAllowance LandmarkSeeker::allowance(bool is_foretold) const noexcept {
@@ -93,38 +124,31 @@ FitAllowance LandmarkSeeker::allowance(bool is_foretold) const noexcept {
   return {is_foretold ? kForetoldMisfit_px : 0, true};
 }
 
-Result<std::size_t> LandmarkSeeker::follow_outlines(const Frame& frame, Track& track) noexcept {
+Result<std::size_t> LandmarkSeeker::follow_outlines(Track& track) noexcept {
   const auto untrackable = fail(Errc::kNoLandmark, "its outlines can't be foretold well enough");
   if (options_.solver != Solver::kFull || !track.may_follow_outlines()) return untrackable;
-  const PoseExpectation expected = track.expectation(frame.exposed_at());
-  const RowMotion motion = motion_of(track, expected.T_camera_landmark.translation_m, false);
+  const PoseExpectation expected = track.expectation(frame_at_);
+  const MeasuredMotion motion = motion_of(track, expected.T_camera_landmark.translation_m, false);
   NINEDOT_TRY(candidates_, full_.follow(luma_, expected, *track.prior(), budget_.pixels, motion.sheet));
   const PoseCandidate& followed = candidates_.list[0];
   if (!fits_picture(followed, noise_, allowance(true))) return fail(Errc::kNoLandmark, "the landmark is not as it was");
-  row_motion_ = motion;
-  // It was fitted as if it stood still, and is found where it nearly did: what it moved is all that was left out.
-  const Eigen::Vector3d now_m = followed.pose.T_landmark_camera.inverse().translation_m;
-  if (const auto across = first_motion(track, now_m))
-    row_motion_.uncertainty =
-        uncertainty(motion.sheet, now_m, kSeenRate_rad_s + across->translation_m_s.norm() / now_m.z());
   track.see(observation_of(as_exposed(followed.outlines.T_camera_landmark, motion.sheet, camera_),
                            followed.visible_share, camera_, options_.landmark));
-  return track.take(candidates_, frame.exposed_at());
+  return take(motion, track);
 }
 
-Result<std::size_t> LandmarkSeeker::detect_near_track(const Frame& frame, Track& track) noexcept {
+Result<std::size_t> LandmarkSeeker::detect_near_track(Track& track) noexcept {
   // The window's margin holds what a rolling shutter makes of the forecast.
-  NINEDOT_TRY(const LandmarkObservation seen,
-              detector_.find_landmark_near(frame.luma, track.forecast(frame.exposed_at()), budget_));
-  return solve(frame, seen, track.prior(), track, true);
+  NINEDOT_TRY(const LandmarkObservation seen, detector_.find_landmark_near(luma_, track.forecast(frame_at_), budget_));
+  return solve(seen, track.prior(), track, true);
 }
 
-Result<std::size_t> LandmarkSeeker::solve_guess(const Frame& frame, LandmarkObservation seen, Track& track) noexcept {
+Result<std::size_t> LandmarkSeeker::solve_guess(LandmarkObservation seen, Track& track) noexcept {
   // Only the priors have numbered it.
-  if (const auto known = track.remembered(frame.exposed_at()))
+  if (const auto known = track.remembered(frame_at_))
     if (const auto first = first_dot_by_forecast(seen.H_ray_plane, known->H_ray_plane, options_.landmark))
       seen = renumbered(seen, *first);
-  return solve(frame, seen, nullptr, track);
+  return solve(seen, nullptr, track);
 }
 
 void LandmarkSeeker::show_three_dots(const LandmarkObservation& seen) noexcept {
@@ -135,21 +159,19 @@ void LandmarkSeeker::show_three_dots(const LandmarkObservation& seen) noexcept {
   if (fits_picture(answer->list[0], noise_, allowance(false))) misfit_reason_ = Reason::kPoseDegenerate;
 }
 
-Result<std::size_t> LandmarkSeeker::look_at(const Frame& frame, const CameraFromLandmark& T_camera_landmark,
-                                            Track& track) noexcept {
+Result<std::size_t> LandmarkSeeker::look_at(const CameraFromLandmark& T_camera_landmark, Track& track) noexcept {
   const SheetMotion motion = motion_of(track, T_camera_landmark.translation_m, false).sheet;
   std::array<double, kDotCount> all_visible;
   all_visible.fill(1);
-  return solve(frame,
-               observation_of(as_exposed(T_camera_landmark, motion, camera_), all_visible, camera_, options_.landmark),
+  return solve(observation_of(as_exposed(T_camera_landmark, motion, camera_), all_visible, camera_, options_.landmark),
                nullptr, track, true);
 }
 
-Result<std::size_t> LandmarkSeeker::solve(const Frame& frame, const LandmarkObservation& seen, const PosePrior* prior,
-                                          Track& track, bool is_foretold) noexcept {
+Result<std::size_t> LandmarkSeeker::solve(const LandmarkObservation& seen, const PosePrior* prior, Track& track,
+                                          bool is_foretold) noexcept {
   const bool full = options_.solver == Solver::kFull;
   const double scale = 0.5 * (seen.H_ray_plane.col(0).norm() + seen.H_ray_plane.col(1).norm());
-  const RowMotion motion = motion_of(track, seen.H_ray_plane.col(2) / scale, !seen.from_pose);
+  const MeasuredMotion motion = motion_of(track, seen.H_ray_plane.col(2) / scale, !seen.from_pose);
   const auto answer = full ? full_.solve(luma_, seen, prior, budget_.pixels, motion.sheet) : ellipse_.solve(seen);
   if (!answer) {
     if (answer.error().code == Errc::kPoseDegenerate) track.see(seen);
@@ -169,10 +191,9 @@ Result<std::size_t> LandmarkSeeker::solve(const Frame& frame, const LandmarkObse
     if (!misfit_ && is_publishable(best.pose)) misfit_ = candidates_;
     return fail(Errc::kNoLandmark, "the picture does not fit a landmark");
   }
-  row_motion_ = motion;
   fits_black_and_white_ = !is_one_of_many && fits_picture(*examined, noise_, {allowance(is_foretold).misfit_px, false});
   track.see(seen);
-  return track.take(candidates_, frame.exposed_at());
+  return take(motion, track);
 }
 
 }  // namespace ninedot

@@ -10,6 +10,7 @@
 #include "image/frame.h"
 #include "image/noise.h"
 #include "pipeline/camera_twist.h"
+#include "pipeline/camera_unrest.h"
 #include "pipeline/sighting_uncertainty.h"
 #include "pose/ellipse_solver.h"
 #include "pose/full_solver.h"
@@ -41,19 +42,18 @@ class LandmarkSeeker {
   // What a way to the pose has found, chosen and judged to fit the picture, goes into the track and `candidates`.
   // Errors are those of the detector and of the solvers.
 
-  /// \param frame  the one that `begin` was given; likewise below
   /// \return  index of the chosen candidate [1]; likewise below
   /// \error kNoLandmark: the outlines can't be foretold well enough, or are not there
-  Result<std::size_t> follow_outlines(const Frame& frame, Track& track) noexcept;
+  Result<std::size_t> follow_outlines(Track& track) noexcept;
   /// \return  index [1]
-  Result<std::size_t> detect_near_track(const Frame& frame, Track& track) noexcept;
+  Result<std::size_t> detect_near_track(Track& track) noexcept;
   /// \param prior  null: nothing was known of it in the frame before \return  index [1]
-  Result<std::size_t> solve(const Frame& frame, const LandmarkObservation& seen, const PosePrior* prior, Track& track,
+  Result<std::size_t> solve(const LandmarkObservation& seen, const PosePrior* prior, Track& track,
                             bool is_foretold = false) noexcept;
   /// What looks like a landmark, though nothing has told yet where it is. What was tracked a moment ago keeps its
   /// numbers. Nothing is a black-and-white one whose dots are smaller than those of what has a whole ring in the same
   /// frame and is none: what is too small to be told from a landmark may be more of that. \return  index [1]
-  Result<std::size_t> solve_guess(const Frame& frame, LandmarkObservation seen, Track& track) noexcept;
+  Result<std::size_t> solve_guess(LandmarkObservation seen, Track& track) noexcept;
 
   /// Three dots that may be a landmark's (Detector::three_dots): the misfit, if there is no other one. No track knows
   /// of them.
@@ -61,11 +61,12 @@ class LandmarkSeeker {
 
   /// By its outlines alone, from where something else foretells it to two pixels: what is too small, too faint or too
   /// blurred to be seen as dots. \param T_camera_landmark  at the middle row \return  index [1]
-  Result<std::size_t> look_at(const Frame& frame, const CameraFromLandmark& T_camera_landmark, Track& track) noexcept;
+  Result<std::size_t> look_at(const CameraFromLandmark& T_camera_landmark, Track& track) noexcept;
 
   /// Of the last way that led to a pose.
   const PoseCandidates& candidates() const noexcept { return candidates_; }
-  /// Likewise: how its sheet moved across the rows, as the fit took it. Its track knows better afterwards.
+  /// Likewise: how its sheet moved while its rows were exposed. Its dots and its pose were taken to the middle row with
+  /// that.
   const RowMotion& row_motion() const noexcept { return row_motion_; }
   /// Likewise: it would be one without a map as well, whose dots may have colours. Not asked of outlines that were
   /// followed.
@@ -85,10 +86,12 @@ class LandmarkSeeker {
  private:
   FitAllowance allowance(bool is_foretold) const noexcept;
   bool rows_differ() const noexcept { return rows_.mean_s != 0 || rows_.sigma_s > 0; }
-  RowUncertainty uncertainty(const SheetMotion& motion, const Eigen::Vector3d& t_camera_m,
-                             double rate_sigma_rad_s) const noexcept;
+  RowUncertainty uncertainty(const MeasuredMotion& motion, const Eigen::Vector3d& t_camera_m) const noexcept;
   std::optional<SheetMotion> first_motion(const Track& track, const Eigen::Vector3d& t_camera_m) const noexcept;
-  RowMotion motion_of(const Track& track, const Eigen::Vector3d& t_camera_m, bool is_seen_there) const noexcept;
+  MeasuredMotion motion_of(const Track& track, const Eigen::Vector3d& t_camera_m, bool is_seen_there) const noexcept;
+  SheetMotion with_rows(SheetMotion motion) const noexcept;
+  double rate_sigma(const MeasuredMotion& measured) const noexcept;
+  Result<std::size_t> take(const MeasuredMotion& taken, Track& track) noexcept;
 
   SeekerOptions options_;
   CameraModel camera_;
@@ -99,6 +102,7 @@ class LandmarkSeeker {
   MonoTime frame_at_{};
   RowTime rows_;
   std::optional<CameraTwist> twist_;
+  CameraUnrest unrest_;
   PictureNoise noise_;
   ImageView luma_;  ///< with what is known of its pattern
   WorkBudget budget_;

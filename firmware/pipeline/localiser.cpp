@@ -81,7 +81,7 @@ Result<std::size_t> Localiser::search(const Frame& frame) noexcept {
     };
     if (chosen || std::ranges::any_of(tried, is_seen)) return true;
     (void)tried.try_push_back(seen);  // no more of them than guesses
-    chosen = lens_->seeker.solve_guess(frame, seen, track_);
+    chosen = lens_->seeker.solve_guess(seen, track_);
     return chosen || budget.pixels > 0;
   };
   int charged = 0;
@@ -212,8 +212,8 @@ void Localiser::look_at(const Frame& frame) noexcept {
   if (!options_.tracking || track_.is_numbering_refuted()) track_.reset(), filter_.reset();
   const bool has_track = options_.tracking && track_.has_sighting() && next_guess_ == 0;
   Result<std::size_t> chosen = fail(Errc::kNoLandmark, "there is no track");
-  if (has_track) chosen = lens_->seeker.follow_outlines(frame, track_);
-  if (has_track && !chosen) chosen = lens_->seeker.detect_near_track(frame, track_);
+  if (has_track) chosen = lens_->seeker.follow_outlines(track_);
+  if (has_track && !chosen) chosen = lens_->seeker.detect_near_track(track_);
   fix_.tracked = chosen.has_value();
   if (!chosen) chosen = search(frame);  // the landmark jumped, or what was near the track is not it
 

@@ -145,11 +145,11 @@ void RoomLocaliser::follow(const Frame& frame) noexcept {
     if (landmark.track.is_numbering_refuted()) continue;
     if (twist && landmark.track.prior() != nullptr)
       landmark.track.foretell(twist->of_sheet_at(landmark.track.prior()->T_camera_landmark.translation_m));
-    Result<std::size_t> chosen = lens_->seeker.follow_outlines(frame, landmark.track);
+    Result<std::size_t> chosen = lens_->seeker.follow_outlines(landmark.track);
     landmark.is_followed = chosen.has_value();
-    if (!chosen) chosen = lens_->seeker.detect_near_track(frame, landmark.track);
+    if (!chosen) chosen = lens_->seeker.detect_near_track(landmark.track);
     if (!chosen && landmark.track.prior() != nullptr)
-      chosen = lens_->seeker.look_at(frame, landmark.track.expected_at(frame.exposed_at()), landmark.track);
+      chosen = lens_->seeker.look_at(landmark.track.expected_at(frame.exposed_at()), landmark.track);
     if (!chosen) {
       if (landmark.track.prior() != nullptr) (void)lost_.try_push_back(landmark);  // no more than were in view
       continue;
@@ -213,9 +213,9 @@ bool RoomLocaliser::begin_where_expected(const Frame& frame, const CameraFromLan
   const LandmarkForecast there(T_camera_landmark, is_coded ? ForecastNumbers::kCertain : ForecastNumbers::kForetold);
   if (const auto seen = lens_->seeker.detector().find_landmark_near(frame.luma, there, lens_->seeker.budget())) {
     if (const InView* known = in_view_at(seen->H_ray_plane); known != nullptr && !is_stranger(*known)) return false;
-    chosen = lens_->seeker.solve_guess(frame, *seen, landmark.track);
+    chosen = lens_->seeker.solve_guess(*seen, landmark.track);
   }
-  if (!chosen) chosen = lens_->seeker.look_at(frame, T_camera_landmark, landmark.track);
+  if (!chosen) chosen = lens_->seeker.look_at(T_camera_landmark, landmark.track);
   if (!chosen) return false;
   take_found(landmark, *chosen);
   // One sheet is in view once: as what it was found to be, and no more as the stranger that it was.
@@ -238,7 +238,7 @@ void RoomLocaliser::look_everywhere(const Frame& frame) noexcept {
   frames_since_search_ = 0;
   const auto begin = [&](std::span<const LandmarkObservation> found) {
     for (const LandmarkObservation& seen : found)
-      if (in_view_at(seen.H_ray_plane) == nullptr && !go_on_elsewhere(frame, seen)) (void)begin_to_follow(frame, seen);
+      if (in_view_at(seen.H_ray_plane) == nullptr && !go_on_elsewhere(seen)) (void)begin_to_follow(seen);
   };
   if (const auto found = lens_->seeker.detector().find_all_landmarks(frame.luma, lens_->seeker.budget())) begin(*found);
   if (!in_view_.empty()) return;
@@ -261,10 +261,10 @@ RoomLocaliser::InView* RoomLocaliser::in_view_at(const Eigen::Matrix3d& H_ray_pl
 /// Nobody knows who it is, nor who it should be.
 bool RoomLocaliser::is_stranger(const InView& landmark) noexcept { return !landmark.identity && !landmark.expected; }
 
-bool RoomLocaliser::begin_to_follow(const Frame& frame, const LandmarkObservation& seen) noexcept {
+bool RoomLocaliser::begin_to_follow(const LandmarkObservation& seen) noexcept {
   if (in_view_.full()) return false;
   Track track(track_options(lens_->seeker.camera(), options_));
-  const auto chosen = lens_->seeker.solve_guess(frame, seen, track);
+  const auto chosen = lens_->seeker.solve_guess(seen, track);
   if (!chosen) return false;
   InView landmark;
   landmark.track = track;
@@ -275,7 +275,7 @@ bool RoomLocaliser::begin_to_follow(const Frame& frame, const LandmarkObservatio
 
 /// A camera that turns fast has every landmark elsewhere at once, and tells its motion by that: what was lost in this
 /// frame goes on where one at its distance is found. That it is the same one its colours have to say.
-bool RoomLocaliser::go_on_elsewhere(const Frame& frame, const LandmarkObservation& seen) noexcept {
+bool RoomLocaliser::go_on_elsewhere(const LandmarkObservation& seen) noexcept {
   if (in_view_.full()) return false;
   const Eigen::Vector3d ray = seen.H_ray_plane.col(2).normalized();
   InView* nearest = nullptr;
@@ -289,7 +289,7 @@ bool RoomLocaliser::go_on_elsewhere(const Frame& frame, const LandmarkObservatio
   }
   if (nearest == nullptr) return false;
   InView landmark = *nearest;
-  const auto chosen = lens_->seeker.solve_guess(frame, seen, landmark.track);
+  const auto chosen = lens_->seeker.solve_guess(seen, landmark.track);
   if (!chosen) return false;
   landmark.is_followed = false;
   take_found(landmark, *chosen);

@@ -55,8 +55,8 @@ class RoomLocaliser final : public FrameProcessor {
   bool begin_where_expected(const Frame& frame, const CameraFromLandmark& T_camera_landmark,
                             std::size_t map_index) noexcept;
   void look_everywhere(const Frame& frame) noexcept;
-  bool begin_to_follow(const Frame& frame, const LandmarkObservation& seen) noexcept;
-  bool go_on_elsewhere(const Frame& frame, const LandmarkObservation& seen) noexcept;
+  bool begin_to_follow(const LandmarkObservation& seen) noexcept;
+  bool go_on_elsewhere(const LandmarkObservation& seen) noexcept;
   bool any_identified() const noexcept;
   void identify(const Frame& frame) noexcept;
   void number_by_code(const Frame& frame, InView& landmark) noexcept;

@@ -24,6 +24,10 @@ constexpr double kSettled = 1e-4;  // weight of the mirror image in a track that
 // How fast a robot, or a head on it, turns before a landmark: half a turn in three seconds, 1-sigma.
 constexpr double kUsualRate_rad_s = 1;
 
+// What differences of two and of three frames make of the noise of a landmark's direction; and that noise where its
+// outlines do not tell.
+constexpr double kNoiseOfTwo = 1.5, kNoiseOfThree = 2.5, kRayNoise_px = 0.05;
+
 // For so long the numbers of a landmark's dots are remembered while it is out of sight: in a second a head or a robot
 // that is out of sight does not roll by more than the 8 degrees at which a forecast is still met (detect/numbering.h).
 constexpr std::chrono::seconds kRemembered{1};
@@ -50,6 +54,13 @@ Eigen::Vector3d believed_rate(const Eigen::Vector3d& turn_rad, const Eigen::Matr
   const double usual_rad2 = std::pow(kUsualRate_rad_s * since_s, 2);
   const Eigen::Matrix3d total_rad2 = spread_rad2 + usual_rad2 * Eigen::Matrix3d::Identity();
   return usual_rad2 / since_s * total_rad2.llt().solve(turn_rad);
+}
+
+/// 1-sigma of the direction to a landmark, each axis, by its dots [1]. None: they do not tell.
+std::optional<double> ray_sigma_of(const DotSightings& dots) noexcept {
+  double information = 0;
+  for (const DotSighting& dot : dots) information += dot.information.trace() / 2;
+  return information > 0 ? std::optional(1 / std::sqrt(information)) : std::nullopt;
 }
 
 }  // namespace
@@ -82,6 +93,13 @@ std::optional<SheetMotion> Track::motion_at(MonoTime time) const noexcept {
   const double since_s = std::chrono::duration<double>(time - pose_at_).count() + 0.5 * motion_->over_s;
   motion.translation_m_s.head<2>() += since_s * prior_.T_camera_landmark.translation_m.z() * motion_->acceleration_1_s2;
   return motion;
+}
+
+std::optional<MeasuredMotion> Track::motion_now() const noexcept {
+  if (!motion_ || !motion_->is_own()) return std::nullopt;
+  const double noise_1 = (motion_->gain ? kNoiseOfThree : kNoiseOfTwo) * motion_->ray_sigma_1;
+  return MeasuredMotion{
+      {motion_->rotation_rad_s, motion_->now_m_s}, noise_1 / motion_->over_s, motion_->over_s, motion_->gain};
 }
 
 std::optional<SheetMotion> Track::motion_across(const Eigen::Vector2d& ray, MonoTime time) const noexcept {
@@ -168,7 +186,7 @@ Result<std::size_t> Track::take(PoseCandidates& candidates, MonoTime exposed_at)
   pose_ = candidate.pose;
   pose_at_ = exposed_at;
   prior_ = {now, candidate.outlines, candidates.warp_px, mirror_weight_ < kSettled};
-  if (motion_ && motion_->is_own()) prior_.outlines.motion.translation_m_s = motion_->translation_m_s;
+  if (motion_ && motion_->is_own()) prior_.outlines.motion.translation_m_s = motion_->now_m_s;
   note_numbering();
   return chosen;
 }
@@ -231,11 +249,17 @@ CameraFromLandmark Track::note_motion(const PoseCandidate& fitted, MonoTime expo
   const Eigen::Matrix3d spread_rad2 =
       pose_.covariance.bottomRightCorner<3, 3>() + fitted.pose.covariance.bottomRightCorner<3, 3>();
   Motion motion{believed_rate(turn_rad, spread_rad2, since_s), way_m / (since_s + rows_s - rows_before_s), since_s};
-  if (motion_ && motion_->is_own() && surprise_px_ < kUsableSurprise_px)
-    motion.acceleration_1_s2 =
-        motion_->acceleration_1_s2 + 2 * kLastingShare / (since_s * (since_s + motion_->over_s)) * surprise;
+  motion.now_m_s = motion.translation_m_s;
+  motion.ray_sigma_1 = ray_sigma_of(fitted.dots).value_or(kRayNoise_px / options_.focal_px);
+  if (motion_ && motion_->is_own() && surprise_px_ < kUsableSurprise_px) {
+    const Eigen::Vector2d change_1_s2 = 2 / (since_s * (since_s + motion_->over_s)) * surprise;
+    motion.acceleration_1_s2 = motion_->acceleration_1_s2 + kLastingShare * change_1_s2;
+    // At this frame, not at the middle of the two: from there on it gained speed for half of the time between them.
+    motion.gain = {motion_->acceleration_1_s2 + change_1_s2, change_1_s2};
+    motion.now_m_s.head<2>() += 0.5 * since_s * now.translation_m.z() * motion.gain->acceleration_1_s2;
+  }
   motion_ = motion;
-  now.translation_m -= rows_s * (motion.translation_m_s - taken.translation_m_s);
+  now.translation_m -= rows_s * (motion.now_m_s - taken.translation_m_s);
   return now;
 }
 

@@ -24,6 +24,18 @@ struct TrackOptions {
   UprightPrior upright{};      ///< how the camera is mounted
 };
 
+/// How a landmark moves before the camera, by what its track has seen.
+struct MeasuredMotion {
+  SheetMotion sheet;            ///< rows all at once
+  double rate_sigma_rad_s = 0;  ///< of its direction's speed, 1-sigma, each axis: the noise of its poses
+  double over_s = 0;            ///< from the pose before to the newest
+  /// By how much its direction gains speed, and how much of that is new [1/s^2]; none: two poses do not tell.
+  struct Gain {
+    Eigen::Vector2d acceleration_1_s2, change_1_s2;
+  };
+  std::optional<Gain> gain;
+};
+
 /// Memory: none. Threads: one caller.
 class Track {
  public:
@@ -41,6 +53,10 @@ class Track {
   /// How it moves then, if it goes on as expected_at() says; rows all at once. None: the last two frames did not both
   /// have a pose.
   std::optional<SheetMotion> motion_at(MonoTime time) const noexcept;
+
+  /// How it moved while the frame was exposed that was taken last: by its pose and those of the two frames before.
+  /// None: the frame before gave no pose.
+  std::optional<MeasuredMotion> motion_now() const noexcept;
 
   /// How it moves if this is where it is now: across the view, as between the frame before and this one.
   /// \param ray  to the sheet's middle, z = 1 \return  rows all at once; none: the frame before gave no pose
@@ -92,7 +108,10 @@ class Track {
     double over_s = 0;  ///< between which poses; 0: it was foretold
     bool is_own() const noexcept { return over_s > 0; }
     Eigen::Vector2d acceleration_1_s2 =
-        Eigen::Vector2d::Zero();  ///< of its ray (x/z, y/z): a camera that begins to turn
+        Eigen::Vector2d::Zero();                        ///< of its ray (x/z, y/z): a camera that begins to turn
+    Eigen::Vector3d now_m_s = Eigen::Vector3d::Zero();  ///< translation at the later one; the other is their middle's
+    std::optional<MeasuredMotion::Gain> gain = {};      ///< likewise
+    double ray_sigma_1 = 0;                             ///< of its direction in one frame
   };
   std::size_t choose(const PoseCandidates& candidates) const noexcept;
   double rows_after_middle_s(const CameraFromLandmark& T, const SheetMotion& motion) const noexcept;

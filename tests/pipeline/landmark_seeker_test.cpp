@@ -40,16 +40,17 @@ class Passing {
  public:
   explicit Passing(int step_px) : step_px_(step_px) {}
 
-  Result<std::size_t> look(int number, bool follows_outlines) {
-    pixels_ = moved(picture_.view(), number * step_px_);
+  Result<std::size_t> look(int number, bool follows_outlines) { return look(number, follows_outlines, number); }
+  /// \param steps  of the way
+  Result<std::size_t> look(int steps, bool follows_outlines, int number) {
+    pixels_ = moved(picture_.view(), steps * step_px_);
     Frame frame;
     frame.luma = {pixels_.data(), picture_.view().width_px, picture_.view().height_px, picture_.view().width_px};
     frame.set_exposure(MonoTime(1s) + number * 28ms, 4ms);
     seeker.begin(frame, WorkBudget{}, {kRowTime_s});
-    if (number > 0)
-      return follows_outlines ? seeker.follow_outlines(frame, track_) : seeker.detect_near_track(frame, track_);
+    if (number > 0) return follows_outlines ? seeker.follow_outlines(track_) : seeker.detect_near_track(track_);
     const auto seen = seeker.detector().find_landmarks(frame.luma);
-    return seen ? seeker.solve_guess(frame, seen->front(), track_) : tl::unexpected(seen.error());
+    return seen ? seeker.solve_guess(seen->front(), track_) : tl::unexpected(seen.error());
   }
   double rate_sigma_rad_s() const { return seeker.row_motion().uncertainty.of_motion_rad / kRowTime_s; }
 
@@ -92,6 +93,37 @@ TEST(LandmarkSeeker, KnowsOfALandmarkThatIsFoundWhereItWasThatItHardlyMoved) {
   EXPECT_GT(unit.rate_sigma_rad_s(), 0.01) << "of two frames, not of a track";
 }
 
+/// A camera that begins to turn: the speed is what it is at the last frame, not between the two or as it was foretold.
+TEST(LandmarkSeeker, KnowsTheSpeedOfTheFrameItselfWhereThatGrows) {
+  constexpr double kStep_s = 0.028;
+  Passing unit(1);
+  for (int number = 0; number < 6; ++number) {
+    ASSERT_TRUE(unit.look(number * number, false, number)) << number;  // the n-th frame is n^2 px further on
+    if (number < 2) continue;
+    const double speed_m_s = 2 * number / CameraModel{}.fx_px * kDistance_m / kStep_s;
+    EXPECT_NEAR(unit.seeker.row_motion().sheet.translation_m_s.x(), speed_m_s, 0.015)
+        << number;  // between the frames it is 0.074 less
+  }
+}
+
+/// A landmark that comes into view may move as those do that are there.
+TEST(CameraUnrest, IsOfTheFastestAndFades) {
+  CameraUnrest unrest;
+  unrest.begin(MonoTime(1s));
+  EXPECT_EQ(unrest.speed_rad_s(), 0.7);
+  EXPECT_EQ(unrest.acceleration_rad_s2(), 1);
+  unrest.note(2, 8);
+  unrest.note(1, 3);
+  EXPECT_EQ(unrest.speed_rad_s(), 2);
+  EXPECT_EQ(unrest.acceleration_rad_s2(), 8);
+  unrest.begin(MonoTime(1100ms));
+  EXPECT_NEAR(unrest.acceleration_rad_s2(), 6.5, 0.1);
+  EXPECT_NEAR(unrest.unexpected_rad_s(), 0.1 * 5.5, 0.01);
+  unrest.begin(MonoTime(5s));
+  EXPECT_EQ(unrest.speed_rad_s(), 0.7);
+  EXPECT_EQ(unrest.unexpected_rad_s(), 0);
+}
+
 /// A sheet in a share of its size, its middle moved along the wall.
 test::Sheet hung(test::Sheet sheet, double size, double x_m) {
   sheet.x_m = x_m;
@@ -120,7 +152,7 @@ TEST(LandmarkSeeker, TakesNothingSmallerThanALookAlikeInTheSameFrame) {
     EXPECT_EQ(seen.size(), sheets.size());
     return static_cast<int>(std::ranges::count_if(seen, [&](const auto& one) {
       Track track{TrackOptions{}};
-      return unit.solve_guess(frame, one, track).has_value();
+      return unit.solve_guess(one, track).has_value();
     }));
   };
   const auto landmark = [](double size) { return hung(test::nine_dot_sheet(), size, 0.13); };

@@ -322,7 +322,7 @@ TEST(RoomLocaliser, NamesAnewASheetThatWasPutInThePlaceOfAnother) {
 /// By four times the radius of its ring. What was in view tells that, not colours: the second frame has none.
 TEST(RoomLocaliser, GoesOnWithASheetThatACameraTurningFastHasElsewhere) {
   test::Viewpoint viewpoint = kFromAside;
-  viewpoint.distance_m = 4;
+  viewpoint.distance_m = 3.5;
   const test::ColourPicture first = coded_picture("KRGBKKRB", viewpoint, 3);
   viewpoint.off_axis_x_rad = 0.08;
   const test::ColourPicture turned = coded_picture("KRGBKKRB", viewpoint, 4);
