@@ -1,37 +1,47 @@
 #include "pipeline/retaken_rows.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 
 #include "world/sighting_fit.h"
 
 namespace ninedot {
+namespace {
+
+/// A thousandth of a pixel: what no dot moves by moves no pose. [1]
+constexpr double kNothing = 1e-6;
+
+}  // namespace
 
 void retake_rows(PoseCandidate& fitted, const SheetMotion& taken, const SheetMotion& motion,
                  const LandmarkGeometry& landmark, const CameraModel& camera) noexcept {
   if (taken.row_time_s == 0) return;
   const auto& T_landmark_camera = fitted.pose.T_landmark_camera;
   const CameraFromLandmark T_camera_landmark = T_landmark_camera.inverse();
-  const WorldFromCamera before{T_landmark_camera.rotation, T_landmark_camera.translation_m};
-  const auto point = [&](std::size_t dot) -> Eigen::Vector3d {
-    const Eigen::Vector2d on_sheet_m = landmark.centre_m(dot);
-    return T_camera_landmark * Eigen::Vector3d(on_sheet_m.x(), 0, on_sheet_m.y());
-  };
-  const LandmarkSighting seen{0, T_camera_landmark, fitted.dots};
-  LandmarkSighting retaken = seen;
+  const Eigen::Vector3d& t_m = T_camera_landmark.translation_m;
+  // The pose goes where the moved dots have it, each by its weight: one step of Gauss and Newton's.
+  PoseInformation normal = PoseInformation::Zero();
+  PoseStep pull = PoseStep::Zero();
+  double farthest = 0;
   for (std::size_t dot = 0; dot < kDotCount; ++dot) {
-    if (seen.dots[dot].information.isZero(0)) continue;
-    const Eigen::Vector3d p_m = point(dot);
-    const double since_s = taken.since_s(camera.pixel_from_normalised(seen.dots[dot].ray).y());
-    retaken.dots[dot].ray -= since_s * (motion.ray_velocity(p_m, T_camera_landmark.translation_m) -
-                                        taken.ray_velocity(p_m, T_camera_landmark.translation_m));
+    DotSighting& seen = fitted.dots[dot];
+    if (seen.information.isZero(0)) continue;
+    const Eigen::Vector2d on_sheet_m = landmark.centre_m(dot);
+    const Eigen::Vector3d p_m = T_camera_landmark * Eigen::Vector3d(on_sheet_m.x(), 0, on_sheet_m.y());
+    const double since_s = taken.since_s(camera.pixel_from_normalised(seen.ray).y());
+    const Eigen::Vector2d by = since_s * (taken.ray_velocity(p_m, t_m) - motion.ray_velocity(p_m, t_m));
+    seen.ray += by;
+    farthest = std::max(farthest, by.lpNorm<Eigen::Infinity>());
+    const Eigen::Matrix<double, 2, 6> J = ray_by_step(p_m, T_landmark_camera.rotation);
+    const Eigen::Matrix<double, 6, 2> weighted = J.transpose() * seen.information;
+    normal += weighted * J;
+    pull += weighted * by;
   }
-  fitted.dots = retaken.dots;
-  const SightingFit as_fitted = fit_of_sighting(seen, {}, before, landmark);
-  const SightingFit now = fit_of_sighting(retaken, {}, before, landmark);
-  const Eigen::LLT<PoseInformation> normal(as_fitted.normal);
-  if (normal.info() != Eigen::Success) return;
-  const WorldFromCamera after = moved_by(before, normal.solve(as_fitted.gradient - now.gradient));
-  fitted.pose.T_landmark_camera = {after.rotation, after.translation_m};
+  const Eigen::LLT<PoseInformation> solver(normal);
+  if (farthest < kNothing || solver.info() != Eigen::Success) return;
+  const WorldFromCamera at =
+      moved_by(WorldFromCamera{T_landmark_camera.rotation, T_landmark_camera.translation_m}, solver.solve(pull));
+  fitted.pose.T_landmark_camera = {at.rotation, at.translation_m};
 }
 
 }  // namespace ninedot

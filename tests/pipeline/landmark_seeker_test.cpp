@@ -80,6 +80,8 @@ TEST(LandmarkSeeker, SaysHowWellTheMotionAcrossRowsWasKnownWhenItWasFitted) {
     const double speed_m_s = kStep_px / CameraModel{}.fx_px * kDistance_m / 0.028;
     EXPECT_NEAR(fitted.sheet.translation_m_s.x(), speed_m_s, 0.03 * speed_m_s) << number;
     EXPECT_NEAR(fitted.sheet.translation_m_s.y(), 0, 0.03 * speed_m_s) << number;
+    const SheetMotion& taken = unit.seeker.candidates().list[0].outlines.motion;
+    EXPECT_NEAR(taken.translation_m_s.x(), speed_m_s, 0.05 * speed_m_s) << number << ", by the fit already";
   }
 }
 
