@@ -61,7 +61,8 @@ class Shutter(unittest.TestCase):
         camera = f'[camera]\nsource = "recording"\ndevice = "{self.recording}"\nrate_hz = 30.0\nrow_time_us = 0\n'
         with Service(SHEETS + camera + f'[modbus.tcp]\nlisten = "127.0.0.1"\nport = {port}\n') as service, Client(port=port) as client:
             client.wait_for(lambda registers: registers[HEALTH_FLAGS] & ROW_TIME_WRONG)
-            self.assertAlmostEqual(client.read(ROW_TIME, 1)[0] / 100, ROW_TIME_US, delta=8)
+            # Known better with each picture: on a busy machine, which drops some, a moment later than it is contradicted.
+            client.wait_for(lambda _: abs(client.read(ROW_TIME, 1)[0] / 100 - ROW_TIME_US) < 8)
             client.wait_for(lambda registers: registers[2] > 100)
             self.assertEqual(service.log_text().count("shutter: camera.row_time_us is wrong: "), 1)
 
