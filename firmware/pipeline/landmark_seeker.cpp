@@ -10,9 +10,6 @@
 namespace ninedot {
 namespace {
 
-// Of a landmark that was detected in two frames, 35 a second, at a focal length of 600 px: 0.2 px of each middle, dots
-// of 3 px under motion blur.
-constexpr double kSeenRate_rad_s = 0.02;
 // Beside other landmarks one is of use by its direction and its distance, whatever its tilt. Pattern: rendered rooms, 5
 // to 6.4 m.
 constexpr FullSolverOptions kInRooms{.most_sigma = 1, .pattern_px = 0.1};
@@ -63,16 +60,15 @@ std::optional<SheetMotion> LandmarkSeeker::first_motion(const Track& track,
 
 /// What a fit takes for its motion. \param track  of the landmark, before this frame \param t_camera_m  where it is,
 /// about \param is_seen_there  its dots are, in this frame; else it is expected there
-MeasuredMotion LandmarkSeeker::motion_of(const Track& track, const Eigen::Vector3d& t_camera_m,
-                                         bool is_seen_there) const noexcept {
+LandmarkSeeker::KnownMotion LandmarkSeeker::motion_of(const Track& track, const Eigen::Vector3d& t_camera_m,
+                                                      bool is_seen_there) const noexcept {
   const auto own = track.motion_at(frame_at_);
   const auto across = is_seen_there ? first_motion(track, t_camera_m) : std::nullopt;
-  MeasuredMotion motion;
+  KnownMotion motion;
   motion.sheet = with_rows(own ? *own : twist_ ? twist_->of_sheet_at(t_camera_m) : across.value_or(SheetMotion{}));
-  // A track that foretells the motion will have measured it afterwards.
-  motion.rate_sigma_rad_s = !own && twist_   ? std::hypot(twist_->rate_sigma_rad_s, unrest_.unexpected_rad_s())
-                            : !own && across ? kSeenRate_rad_s
-                                             : unrest_.speed_rad_s();
+  // A track that foretells the motion, or has seen it come here, will have measured it afterwards.
+  motion.rate_sigma_rad_s =
+      !own && twist_ ? std::hypot(twist_->rate_sigma_rad_s, unrest_.unexpected_rad_s()) : unrest_.speed_rad_s();
   return motion;
 }
 
@@ -87,15 +83,15 @@ SheetMotion LandmarkSeeker::with_rows(SheetMotion motion) const noexcept {
 double LandmarkSeeker::rate_sigma(const MeasuredMotion& measured) const noexcept {
   const double unknown_rad_s2 =
       measured.gain ? measured.gain->change_1_s2.norm() / 3 : unrest_.acceleration_rad_s2() / 2;
-  return std::hypot(measured.rate_sigma_rad_s, measured.over_s * unknown_rad_s2);
+  return std::hypot(measured.noise_rad_s, measured.over_s * unknown_rad_s2);
 }
 
 /// What fits into the track, and by what the track knows of the motion then. \param taken  what the fit took for it
-Result<std::size_t> LandmarkSeeker::take(const MeasuredMotion& taken, Track& track) noexcept {
+Result<std::size_t> LandmarkSeeker::take(const KnownMotion& taken, Track& track) noexcept {
   NINEDOT_TRY(const std::size_t chosen, track.take(candidates_, frame_at_));
-  MeasuredMotion known = taken;
+  KnownMotion known = taken;
+  const Eigen::Vector3d t_m = candidates_.list[chosen].pose.T_landmark_camera.inverse().translation_m;
   if (const auto measured = track.motion_now()) {
-    const Eigen::Vector3d t_m = candidates_.list[chosen].pose.T_landmark_camera.inverse().translation_m;
     unrest_.note(measured->sheet.ray_velocity(t_m, t_m).norm(),
                  measured->gain ? measured->gain->acceleration_1_s2.norm() : 0);
     if (const double sigma_rad_s = rate_sigma(*measured); sigma_rad_s < taken.rate_sigma_rad_s) {
@@ -106,13 +102,12 @@ Result<std::size_t> LandmarkSeeker::take(const MeasuredMotion& taken, Track& tra
         retake_rows(candidate, taken.sheet, known.sheet, options_.landmark, camera_);
     }
   }
-  const Eigen::Vector3d t_camera_m = candidates_.list[chosen].pose.T_landmark_camera.inverse().translation_m;
-  row_motion_ = {known.sheet, uncertainty(known, t_camera_m)};
+  row_motion_ = {known.sheet, uncertainty(known, t_m)};
   return chosen;
 }
 
 /// Of the product of how it moves and of the row time.
-RowUncertainty LandmarkSeeker::uncertainty(const MeasuredMotion& motion,
+RowUncertainty LandmarkSeeker::uncertainty(const KnownMotion& motion,
                                            const Eigen::Vector3d& t_camera_m) const noexcept {
   const double moves_1_s = motion.sheet.ray_velocity(t_camera_m, t_camera_m).norm();
   return {motion.rate_sigma_rad_s * std::abs(rows_.mean_s), moves_1_s * rows_.sigma_s,
@@ -128,7 +123,7 @@ Result<std::size_t> LandmarkSeeker::follow_outlines(Track& track) noexcept {
   const auto untrackable = fail(Errc::kNoLandmark, "its outlines can't be foretold well enough");
   if (options_.solver != Solver::kFull || !track.may_follow_outlines()) return untrackable;
   const PoseExpectation expected = track.expectation(frame_at_);
-  const MeasuredMotion motion = motion_of(track, expected.T_camera_landmark.translation_m, false);
+  const KnownMotion motion = motion_of(track, expected.T_camera_landmark.translation_m, false);
   NINEDOT_TRY(candidates_, full_.follow(luma_, expected, *track.prior(), budget_.pixels, motion.sheet));
   const PoseCandidate& followed = candidates_.list[0];
   if (!fits_picture(followed, noise_, allowance(true))) return fail(Errc::kNoLandmark, "the landmark is not as it was");
@@ -171,7 +166,7 @@ Result<std::size_t> LandmarkSeeker::solve(const LandmarkObservation& seen, const
                                           bool is_foretold) noexcept {
   const bool full = options_.solver == Solver::kFull;
   const double scale = 0.5 * (seen.H_ray_plane.col(0).norm() + seen.H_ray_plane.col(1).norm());
-  const MeasuredMotion motion = motion_of(track, seen.H_ray_plane.col(2) / scale, !seen.from_pose);
+  const KnownMotion motion = motion_of(track, seen.H_ray_plane.col(2) / scale, !seen.from_pose);
   const auto answer = full ? full_.solve(luma_, seen, prior, budget_.pixels, motion.sheet) : ellipse_.solve(seen);
   if (!answer) {
     if (answer.error().code == Errc::kPoseDegenerate) track.see(seen);

@@ -84,14 +84,19 @@ class LandmarkSeeker {
   const PictureNoise& noise() const noexcept { return noise_; }
 
  private:
+  /// How a sheet moves while its rows are exposed, and how well that is known.
+  struct KnownMotion {
+    SheetMotion sheet;
+    double rate_sigma_rad_s = 0;  ///< of its direction's speed, 1-sigma, each axis
+  };
   FitAllowance allowance(bool is_foretold) const noexcept;
   bool rows_differ() const noexcept { return rows_.mean_s != 0 || rows_.sigma_s > 0; }
-  RowUncertainty uncertainty(const MeasuredMotion& motion, const Eigen::Vector3d& t_camera_m) const noexcept;
+  RowUncertainty uncertainty(const KnownMotion& motion, const Eigen::Vector3d& t_camera_m) const noexcept;
   std::optional<SheetMotion> first_motion(const Track& track, const Eigen::Vector3d& t_camera_m) const noexcept;
-  MeasuredMotion motion_of(const Track& track, const Eigen::Vector3d& t_camera_m, bool is_seen_there) const noexcept;
+  KnownMotion motion_of(const Track& track, const Eigen::Vector3d& t_camera_m, bool is_seen_there) const noexcept;
   SheetMotion with_rows(SheetMotion motion) const noexcept;
   double rate_sigma(const MeasuredMotion& measured) const noexcept;
-  Result<std::size_t> take(const MeasuredMotion& taken, Track& track) noexcept;
+  Result<std::size_t> take(const KnownMotion& taken, Track& track) noexcept;
 
   SeekerOptions options_;
   CameraModel camera_;

@@ -26,9 +26,9 @@ struct TrackOptions {
 
 /// How a landmark moves before the camera, by what its track has seen.
 struct MeasuredMotion {
-  SheetMotion sheet;            ///< rows all at once
-  double rate_sigma_rad_s = 0;  ///< of its direction's speed, 1-sigma, each axis: the noise of its poses
-  double over_s = 0;            ///< from the pose before to the newest
+  SheetMotion sheet;       ///< rows all at once
+  double noise_rad_s = 0;  ///< of its direction's speed, 1-sigma, each axis: what the noise of its poses makes of it
+  double over_s = 0;       ///< from the pose before to the newest
   /// By how much its direction gains speed, and how much of that is new [1/s^2]; none: two poses do not tell.
   struct Gain {
     Eigen::Vector2d acceleration_1_s2, change_1_s2;

@@ -38,7 +38,7 @@ std::vector<std::uint8_t> moved(const ImageView& luma, int by_px) {
 /// A landmark that is in another place in each of four frames, through a rolling shutter.
 class Passing {
  public:
-  explicit Passing(int step_px) : step_px_(step_px) {}
+  explicit Passing(int step_px, std::chrono::milliseconds period = 28ms) : step_px_(step_px), period_(period) {}
 
   Result<std::size_t> look(int number, bool follows_outlines) { return look(number, follows_outlines, number); }
   /// \param steps  of the way
@@ -46,7 +46,7 @@ class Passing {
     pixels_ = moved(picture_.view(), steps * step_px_);
     Frame frame;
     frame.luma = {pixels_.data(), picture_.view().width_px, picture_.view().height_px, picture_.view().width_px};
-    frame.set_exposure(MonoTime(1s) + number * 28ms, 4ms);
+    frame.set_exposure(MonoTime(1s) + number * period_, 4ms);
     seeker.begin(frame, WorkBudget{}, {kRowTime_s});
     if (number > 0) return follows_outlines ? seeker.follow_outlines(track_) : seeker.detect_near_track(track_);
     const auto seen = seeker.detector().find_landmarks(frame.luma);
@@ -58,6 +58,7 @@ class Passing {
 
  private:
   int step_px_;
+  std::chrono::milliseconds period_;
   test::Picture picture_ = picture_of({test::nine_dot_sheet()}, kDistance_m);
   std::vector<std::uint8_t> pixels_;
   Track track_{TrackOptions{}};
@@ -93,6 +94,15 @@ TEST(LandmarkSeeker, KnowsOfALandmarkThatIsFoundWhereItWasThatItHardlyMoved) {
   ASSERT_TRUE(unit.look(1, true));
   EXPECT_LT(unit.rate_sigma_rad_s(), 0.05);
   EXPECT_GT(unit.rate_sigma_rad_s(), 0.01) << "of two frames, not of a track";
+}
+
+/// At 8 pictures a second a head may have gained a sixteenth of a radian per second since the middle of two.
+TEST(LandmarkSeeker, IsTheLessSureOfTwoFramesTheFartherTheyAreApart) {
+  Passing unit(12, 125ms);
+  ASSERT_TRUE(unit.look(0, false));
+  ASSERT_TRUE(unit.look(1, false));
+  EXPECT_GT(unit.rate_sigma_rad_s(), 0.06);
+  EXPECT_LT(unit.rate_sigma_rad_s(), 0.07);
 }
 
 /// A camera that begins to turn: the speed is what it is at the last frame, not between the two or as it was foretold.
