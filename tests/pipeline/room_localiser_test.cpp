@@ -324,9 +324,9 @@ TEST(RoomLocaliser, GoesOnWithASheetThatACameraTurningFastHasElsewhere) {
   test::Viewpoint viewpoint = kFromAside;
   viewpoint.distance_m = 3.5;
   const test::ColourPicture first = coded_picture("KRGBKKRB", viewpoint, 3);
-  viewpoint.off_axis_x_rad = 0.08;
+  viewpoint.off_axis_x_rad = 0.0915;
   const test::ColourPicture turned = coded_picture("KRGBKKRB", viewpoint, 4);
-  viewpoint.off_axis_x_rad = 0.16;
+  viewpoint.off_axis_x_rad = 0.183;
   const test::ColourPicture goes_on = coded_picture("KRGBKKRB", viewpoint, 5);
   RoomLocaliser unit(CameraModel{}, {.map = map_of_codes()});
   ASSERT_EQ(unit.process(frame_of(first, 1)).landmarks.size(), 1U);
