@@ -105,7 +105,9 @@ TEST(FitsPicture, AMiddleThatIsPalerThanTheRingIsSmaller) {
   EXPECT_TRUE(fits_picture(candidate, usual, {}));
   candidate.shape.centre_ink = 0.8;
   EXPECT_FALSE(fits_picture(candidate, usual, {}));
-  EXPECT_TRUE(fits_picture(candidate, usual, {.is_coloured = true})) << "other inks";
+  EXPECT_FALSE(fits_picture(candidate, usual, {.is_coloured = true})) << "P9 is black, whatever the ring's colours";
+  candidate.visible_share[2] = 0.8;
+  EXPECT_FALSE(fits_picture(candidate, usual, {})) << "beside a ring that is partly covered";
 }
 
 TEST(FitsPicture, NoInkIsDarkerThanBlack) {
