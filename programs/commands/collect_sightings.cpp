@@ -7,6 +7,7 @@
 
 #include "base/startup_error.h"
 #include "drivers/recording/recording_source.h"
+#include "pipeline/sighting_uncertainty.h"
 #include "programs/assembly/localiser_options.h"
 #include "programs/assembly/make_localiser.h"
 #include "programs/assembly/recording_camera.h"
@@ -46,6 +47,8 @@ std::vector<RecordedSightings> collect_sightings(
     for (const LandmarkFix& landmark : fix.landmarks) {
       if (!is_of_use(landmark)) continue;
       frame.list.push_back(landmark.sighting);
+      // A map is made of pictures that show two landmarks at least: the camera may move in the first one as well.
+      widen(frame.list.back(), landmark.row_motion.uncertainty, camera, true);
       const Eigen::Vector3d& t_m = landmark.sighting.T_camera_landmark.translation_m;
       frame.fastest_px_s =
           std::max(frame.fastest_px_s, camera.fx_px * landmark.row_motion.sheet.ray_velocity(t_m, t_m).norm());

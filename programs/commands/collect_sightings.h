@@ -12,7 +12,7 @@ namespace ninedot {
 
 /// Every picture once through the localiser; those that show a landmark or more. Landmarks whose fit the picture
 /// contradicts, or that nothing identifies, are left out; mirror images and uncertain poses are not, since maps need no
-/// pose but where the dots are.
+/// pose but where the dots are. Each says how uncertain its rows make it (LandmarkSighting::turn_sigma_rad).
 /// \param index     goes into RecordedSightings::recording
 /// \param progress  called for every picture; may be empty
 /// Throws StartupError: kWorkFailed when a picture can't be read, kWrongUsage when the calibration is for other

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -18,6 +19,7 @@
 #include "geometry/landmark.h"
 #include "programs/assembly/input_files.h"
 #include "programs/assembly/localiser_options.h"
+#include "programs/commands/collect_sightings.h"
 #include "programs/commands/commands.h"
 #include "tests/programs/typed_command.h"
 #include "tests/support/random.h"
@@ -204,6 +206,22 @@ TEST_F(MapCommandLine, SaysThatACameraWhichMovesMustTellItsShutter) {
   write_config("");
   stand_still();
   EXPECT_EQ(type({"--origin", "1"}).said.find(kNote), std::string::npos) << "pictures at rest";
+}
+
+/// A map in which the turns of a rolling shutter's rows count for nothing is bent by them, and certain of itself.
+TEST_F(MapCommandLine, TakesASightingForAsUncertainAsItsRows) {
+  record(4);
+  const auto largest_turn_rad = [&](const char* shutter) {
+    write_config(shutter);
+    const CameraModel camera = read_camera_file(path("wall/camera.yaml"));
+    double largest = 0;
+    for (const RecordedSightings& frame :
+         collect_sightings(path("wall"), 0, read_config(path("ninedot.toml")), camera, {}))
+      for (const LandmarkSighting& seen : frame.list) largest = std::max(largest, seen.turn_sigma_rad);
+    return largest;
+  };
+  EXPECT_GT(largest_turn_rad("[camera]\nrow_time_us = 30\n"), 1e-5);
+  EXPECT_EQ(largest_turn_rad("[camera]\nrow_time_us = 0\n"), 0);
 }
 
 TEST_F(MapCommandLine, RefusesWhatItCanNotStartFrom) {
