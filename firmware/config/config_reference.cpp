@@ -170,8 +170,8 @@ const std::array kKeysUpToTheHead{
     ConfigKey{"pose.ellipse", "cv", "", -1, 1, "", "off-centre correction along v (33)", SLOT(ellipse.cv)},
 
     ConfigKey{"track", "acceleration_sigma_m_s2", "m/s^2", 0.001, 100, "",
-              "1-sigma of the robot's accelerations, each axis, that last for a quarter of a second; smaller is "
-              "smoother, and lags when the robot does more",
+              "1-sigma of the robot's usual accelerations, each axis, that last for a quarter of a second; smaller is "
+              "smoother, and lags a few pictures when the robot does more",
               SLOT(track.acceleration_sigma_m_s2)},
     ConfigKey{"track", "angular_acceleration_sigma_deg_s2", "deg/s^2", 0.1, 1e5, "",
               "likewise of the robot's turns; a head's own, `slew_deg_per_s` within that time, come on top",

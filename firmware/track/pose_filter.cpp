@@ -12,7 +12,8 @@
 namespace ninedot {
 namespace {
 
-/// chi^2 of six freedoms.
+constexpr double kPoseFreedoms = 6;
+/// chi^2 of so many.
 constexpr double kGate_chi2 = 38.3;    // one in a million lies beyond
 constexpr double kWithin_chi2 = 12.6;  // 95 %
 /// Two crests under one prediction, or two hypotheses, are the same within one sigma of each. [1]
@@ -36,6 +37,13 @@ constexpr double kCommonLasts_s = 1.0;
 constexpr double kLeastHalf = 1e-4;
 
 constexpr double kMisfitWeight = 0.05;  // of one frame: 20 frames are half a second
+
+/// A frame that lies twice as far from what was foretold as that allows, squared, makes the motion's noise larger by
+/// this share, one that agrees better smaller: three frames know a robot that brakes. [1]
+constexpr double kUnrestWeight = 0.4;
+/// The noise grows no further: accelerations of 30 times what is configured. It is the robot's, whatever track there
+/// is: one that begins anew because the robot moved too suddenly for it keeps it. [1]
+constexpr double kMostUnrest = 1000;
 
 double seconds(std::chrono::nanoseconds time) noexcept { return std::chrono::duration<double>(time).count(); }
 
@@ -75,7 +83,7 @@ FilterVerdict PoseFilter::take(MonoTime exposed_at, std::span<const JointMember>
   has_frame_ = true;
   newest_at_ = exposed_at;
   if (!modes_.empty() && exposed_at - believed_at_ > kMaxSilence) reset();
-  for (PoseMode& mode : modes_) mode.predict(dt_s, noise_, kCommonLasts_s);
+  for (PoseMode& mode : modes_) mode.predict(dt_s, noise(), kCommonLasts_s);
 
   if (members.empty()) return FilterVerdict::kNothing;
   const FrameView frame{members, options_.landmark};
@@ -187,6 +195,7 @@ void PoseFilter::follow(Children& children, const Parents& parents) noexcept {
     static_cast<void>(modes_.try_push_back(mode));
   }
   note_fit(children[0].crest);
+  note_surprise(children[0].crest.surprise_chi2);
   tidy();
 }
 
@@ -195,6 +204,15 @@ void PoseFilter::note_fit(const Crest& crest) noexcept {
   if (freedoms <= 0) return;
   misfit_ += kMisfitWeight * (crest.alone_chi2 / freedoms - misfit_);
   misfit_ = std::fmax(misfit_, 1);
+}
+
+/// \param chi2  of a picture against what was foretold [1]
+void PoseFilter::note_surprise(double chi2) noexcept {
+  unrest_ = std::clamp(unrest_ * (1 + kUnrestWeight * (chi2 / kPoseFreedoms - 1)), 1.0, kMostUnrest);
+}
+
+MotionNoise PoseFilter::noise() const noexcept {
+  return {unrest_ * noise_.linear_m2_s3, unrest_ * noise_.angular_rad2_s3};
 }
 
 // Merges what coincides, drops what is out of the question, and makes the weights sum to one.
@@ -241,7 +259,7 @@ std::optional<TrackedPose> PoseFilter::at(MonoTime time) const noexcept {
   MotionCovariance own = MotionCovariance::Zero();
   for (std::size_t i = 0; i < modes_.size(); ++i) {
     PoseMode mode = modes_[i];
-    if (dt_s > 0) mode.predict(dt_s, noise_, kCommonLasts_s);
+    if (dt_s > 0) mode.predict(dt_s, noise(), kCommonLasts_s);
     if (i == 0) {
       tracked.motion = mode.motion;
       own = mode.whole_covariance();
@@ -259,7 +277,7 @@ std::optional<TrackedPose> PoseFilter::at(MonoTime time) const noexcept {
 std::optional<PoseFilter::Forecast> PoseFilter::forecast(MonoTime time) const noexcept {
   if (!can_answer(time)) return {};
   PoseMode mode = modes_[0];
-  if (const double dt_s = seconds(time - newest_at_); dt_s > 0) mode.predict(dt_s, noise_, kCommonLasts_s);
+  if (const double dt_s = seconds(time - newest_at_); dt_s > 0) mode.predict(dt_s, noise(), kCommonLasts_s);
   const double ambiguity = at(time)->ambiguity;  // it can answer
   return Forecast{mode.motion.T_world_camera, mode.whole_covariance().topLeftCorner<6, 6>(), ambiguity};
 }

@@ -1,7 +1,10 @@
 #pragma once
 /// Where the camera is in the world and how it moves, from all pictures up to now.
 ///
-/// Constant velocity with white-noise acceleration (motion_model.h); a picture enters by its rays (pose_mode.h). While
+/// Constant velocity with white-noise acceleration (motion_model.h); a picture enters by its rays (pose_mode.h). Where
+/// pictures lie further from what was foretold than that allows, as of a robot that brakes harder than the options say,
+/// the noise grows until they agree, and falls back with the surprise (adaptive estimation by the innovations: R. K.
+/// Mehra, IEEE Trans. Automatic Control 17 (1972) 693-698). While
 /// a mirror image or another numbering is open, up to four hypotheses are followed, each weighted by the likelihood of
 /// what it foretold (a Gaussian sum: D. L. Alspach, H. W. Sorenson, IEEE Trans. Automatic Control 17 (1972) 439-448).
 ///
@@ -26,7 +29,7 @@ namespace ninedot {
 
 struct PoseFilterOptions {
   LandmarkGeometry landmark{};
-  /// 1-sigma of the accelerations that the robot makes, each axis, taken to last for kManoeuvre_s. [m/s^2]
+  /// 1-sigma of the accelerations that the robot makes usually, each axis, taken to last for kManoeuvre_s. [m/s^2]
   double acceleration_sigma_m_s2 = 0.3;
   /// Likewise, of its turns and its head's. [rad/s^2]
   double angular_acceleration_sigma_rad_s2 = 60 * kRadPerDeg;
@@ -117,6 +120,8 @@ class PoseFilter {
                    Children& children) const noexcept;
   void follow(Children& children, const Parents& parents) noexcept;
   void note_fit(const Crest& crest) noexcept;
+  void note_surprise(double chi2) noexcept;
+  MotionNoise noise() const noexcept;
   void tidy() noexcept;
 
   PoseFilterOptions options_;
@@ -126,6 +131,7 @@ class PoseFilter {
   bool has_frame_ = false;
   int gated_ = 0;
   double misfit_ = 1;
+  double unrest_ = 1;  // by how much the motion's noise is above that of the options [1]
 };
 
 }  // namespace ninedot

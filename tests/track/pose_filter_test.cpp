@@ -119,6 +119,36 @@ TEST(PoseFilter, HalvesTheErrorOfSingleFramesOnAWalkAndSaysHowLargeItIs) {
   EXPECT_EQ(tally.clear, tally.frames);
 }
 
+TEST(PoseFilter, IsHonestOfACameraThatMovesMoreSuddenlyThanConfigured) {
+  const LandmarkMap map = test::room_map();
+  Tally tally;
+  for (const unsigned seed : kSeeds) follow({map, test::whirl(0.5 * seed), 4, {}, seed}, tally);
+  EXPECT_GT(tally.frames, 800);
+  EXPECT_LT(tally.gated, 20);
+  EXPECT_LT(median(tally.track_m), median(tally.raw_m));
+  for (const double z : {tally.z(tally.position_z2), tally.z(tally.rotation_z2)}) {
+    EXPECT_GT(z, 0.8);
+    EXPECT_LT(z, 1.3);
+  }
+  EXPECT_LT(tally.largest_z, 6);
+}
+
+/// By 20 mm from picture to picture, which is no robot's way; and out of sight for a second. The track that begins anew
+/// has not forgotten how restless the camera is.
+TEST(PoseFilter, FollowsACameraThatJumps) {
+  const LandmarkMap map = test::room_map();
+  const test::Way jumping = [](double t) {
+    WorldFromCamera place = test::walk(0)(t);
+    const double number = std::round(t * test::kRate_hz);
+    place.translation_m += 0.02 * Eigen::Vector3d(std::sin(5 * number), std::sin(7 * number), std::sin(11 * number));
+    return place;
+  };
+  Tally tally;
+  follow({map, jumping, 5, {}, 1, 1.5, 2.6, {.common_share = 0.1}, 20}, tally);
+  EXPECT_LT(tally.gated, 12);
+  EXPECT_LT(tally.z(tally.position_z2), 1.3);
+}
+
 TEST(PoseFilter, IsHonestWhereConsecutiveFramesShareATenthOrThreeTenthsOfTheirErrors) {
   const LandmarkMap map = test::room_map();
   for (const double common : {0.1, 0.3}) {

@@ -59,6 +59,15 @@ inline Way walk(double phase_rad) {
                      0.09 + 0.004 * std::sin(1.7 * t), 0.006 * std::sin(2.1 * t));
   };
 }
+/// Round the room's middle at 1.2 m and 100 degrees per second, looking across it, ahead and back by turns: 4 m/s^2 and
+/// up to 290 degrees/s^2, of which the filter's options let expect a tenth and a fifth.
+inline Way whirl(double phase_rad) {
+  return [phase_rad](double t) {
+    const double round = 1.75 * t + phase_rad;
+    return camera_at({-1.2 * std::cos(round), -1.2 * std::sin(round), 1.25 + 0.1 * std::sin(3 * round)},
+                     round + 0.3 * std::sin(2.3 * round), 0.06 + 0.05 * std::sin(1.7 * t), 0.06 * std::sin(2.6 * t));
+  };
+}
 /// Slowly across the normal of wall_map's landmark, from 3 m to 4.5 m.
 inline Way flip(double duration_s, double phase_rad) {
   return [=](double t) {
