@@ -9,7 +9,8 @@
 namespace ninedot {
 namespace {
 
-/// 1-sigma of a sheet's speed as its own track foretells it, where a hand shakes the camera. [1]
+/// 1-sigma of a sheet's speed as its own track foretells it, where a hand shakes the camera; measured, it is better.
+/// [1]
 constexpr double kForecastShare = 0.3;
 /// From the place that one landmark gives to that of all: a degree or two.
 constexpr int kRounds = 3;

@@ -131,6 +131,9 @@ std::optional<CameraTwist> RoomLocaliser::twist_at(MonoTime time) const noexcept
 void RoomLocaliser::take_found(InView& landmark, std::size_t chosen) const noexcept {
   landmark.candidates = lens_->seeker.candidates();
   landmark.row_motion = lens_->seeker.row_motion();
+  // By which their poses are at the middle row now, for who gives one of them to a track of its own.
+  for (PoseCandidate& candidate : landmark.candidates.list)
+    candidate.outlines.motion.translation_m_s = landmark.row_motion.sheet.translation_m_s;
   landmark.chosen = chosen;
   if (!landmark.is_followed) landmark.fits_black_and_white = lens_->seeker.fits_black_and_white();
 }

@@ -87,7 +87,9 @@ void RoomLocaliser::learn_row_time(const WorldPose& world, std::span<const Sight
   for (std::size_t i = 0; i < sighted.size(); ++i) {
     const SightingVerdict& verdict = world.sightings[i];
     const bool is_used = verdict.use == SightingUse::kUsed;
-    const bool is_known = is_used || (sighted[i].coded && verdict.use != SightingUse::kNoPlace);
+    // Of wrong numbers no row time makes sense.
+    const bool is_known =
+        is_used || (sighted[i].coded && verdict.use != SightingUse::kNoPlace && verdict.use != SightingUse::kMisread);
     if (!is_known || !verdict.landmark) continue;
     const MappedLandmark& mapped = room_->map.landmarks()[*verdict.landmark];
     const InView& landmark = in_view_[which[i]];

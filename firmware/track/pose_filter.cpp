@@ -42,7 +42,7 @@ constexpr double kMisfitWeight = 0.05;  // of one frame: 20 frames are half a se
 /// this share, one that agrees better smaller: three frames know a robot that brakes. [1]
 constexpr double kUnrestWeight = 0.4;
 /// The noise grows no further: accelerations of 30 times what is configured. It is the robot's, whatever track there
-/// is: one that begins anew because the robot moved too suddenly for it keeps it. [1]
+/// is: one that begins anew keeps it. [1]
 constexpr double kMostUnrest = 1000;
 
 double seconds(std::chrono::nanoseconds time) noexcept { return std::chrono::duration<double>(time).count(); }
@@ -156,7 +156,7 @@ void PoseFilter::find_crests(const FrameView& frame, std::span<const WorldReadin
     const std::size_t first = children.size();
     const auto climb_from = [&](const WorldFromCamera& start) {
       const auto crest = climb(frame, mode.turn, errors.own, *foretold, start, kGate_chi2);
-      if (!crest || crest->surprise_chi2 > kGate_chi2) return;
+      if (!crest || !(crest->surprise_chi2 <= kGate_chi2)) return;  // nor one that is not finite
       for (std::size_t i = first; i < children.size(); ++i) {
         const Crest& known = children[i].crest;
         const PoseStep apart = step_between(known.T_world_camera, crest->T_world_camera);

@@ -251,9 +251,11 @@ CameraFromLandmark Track::note_motion(const PoseCandidate& fitted, MonoTime expo
   Motion motion{believed_rate(turn_rad, spread_rad2, since_s), way_m / (since_s + rows_s - rows_before_s), since_s};
   motion.now_m_s = motion.translation_m_s;
   motion.ray_sigma_1 = ray_sigma_of(fitted.dots).value_or(kRayNoise_px / options_.focal_px);
-  if (motion_ && motion_->is_own() && surprise_px_ < kUsableSurprise_px) {
+  if (motion_ && motion_->is_own()) {
     const Eigen::Vector2d change_1_s2 = 2 / (since_s * (since_s + motion_->over_s)) * surprise;
-    motion.acceleration_1_s2 = motion_->acceleration_1_s2 + kLastingShare * change_1_s2;
+    // What is too surprising is measured, but does not go on.
+    if (surprise_px_ < kUsableSurprise_px)
+      motion.acceleration_1_s2 = motion_->acceleration_1_s2 + kLastingShare * change_1_s2;
     // At this frame, not at the middle of the two: from there on it gained speed for half of the time between them.
     motion.gain = {motion_->acceleration_1_s2 + change_1_s2, change_1_s2};
     motion.now_m_s.head<2>() += 0.5 * since_s * now.translation_m.z() * motion.gain->acceleration_1_s2;

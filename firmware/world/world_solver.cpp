@@ -244,15 +244,22 @@ WorldPose WorldSolver::answer(const Scene& scene, bool is_complete) noexcept {
   return pose;
 }
 
-/// Where those whose names are known contradict each other, each alone against each.
+/// Where those whose names are known contradict each other, each alone against each. One whose numbers were misread
+/// contradicts nobody, and nobody it.
 void WorldSolver::note_disputes(const Scene& scene) noexcept {
   if (most_used(hypotheses_) > 1) return;
+  const auto is_misread_by = [&](std::size_t sighting, std::size_t other) {
+    return std::ranges::any_of(hypotheses_, [&](const Hypothesis& hypothesis) {
+      return hypothesis.choices[other].is_made() && is_misread(scene, sighting, hypothesis);
+    });
+  };
   for (const Hypothesis& hypothesis : hypotheses_) {
     const auto one = std::ranges::find_if(hypothesis.choices, &Choice::is_made);
     const auto sighting = static_cast<std::size_t>(one - hypothesis.choices.begin());
     if (!scene.is_known(sighting)) continue;
     for (const std::size_t other : scene.by_sureness()) {
       if (!scene.is_known(other) || scene.seen()[other].coded == scene.seen()[sighting].coded) continue;
+      if (is_misread_by(other, sighting) || is_misread_by(sighting, other)) continue;
       const double beyond =
           disagreement_chi2(scene, other, coded_choice(scene, other), hypothesis) - options_.max_disagreement_chi2;
       if (beyond > 0) moved_.dispute(one->landmark, beyond);

@@ -47,7 +47,6 @@ std::vector<RecordedSightings> collect_sightings(
     for (const LandmarkFix& landmark : fix.landmarks) {
       if (!is_of_use(landmark)) continue;
       frame.list.push_back(landmark.sighting);
-      // A map is made of pictures that show two landmarks at least: the camera may move in the first one as well.
       widen(frame.list.back(), landmark.row_motion.uncertainty, camera, true);
       const Eigen::Vector3d& t_m = landmark.sighting.T_camera_landmark.translation_m;
       frame.fastest_px_s =

@@ -112,6 +112,9 @@ class Hall {
     const auto truth = camera_at(number / kRate_hz).position_m;
     const Eigen::Vector3d camera_m = place.inverse() * Eigen::Vector3d(truth.data());
     const PoseEstimate& pose = landmark.pose();
+    EXPECT_EQ(landmark.candidates.list[landmark.chosen].outlines.motion.translation_m_s,
+              landmark.row_motion.sheet.translation_m_s)
+        << "a pose at the middle row by one motion, which says that it is by another";
     const Eigen::Array3d sigmas = (pose.T_landmark_camera.translation_m - camera_m).array() /
                                   pose.covariance.topLeftCorner<3, 3>().diagonal().array().sqrt();
     ++outcome.poses;

@@ -152,6 +152,64 @@ TEST(Track, ForetellsTheMiddleRowAlthoughTheFirstFitsKnewNoMotion) {
   }
 }
 
+/// A sheet 2 m away whose direction gains speed from the fourth frame on, its rows exposed after the middle one; as
+/// fits have it that take the motion that the track foretold.
+class GainingSpeed {
+ public:
+  GainingSpeed(double gains_1_s2, double frame_s, double rows_s)
+      : gains_1_s2_(gains_1_s2), frame_s_(frame_s), rows_s_(rows_s) {}
+
+  void look() {
+    const MonoTime at(1s + std::chrono::nanoseconds(std::llround(1e9 * frame_ * frame_s_)));
+    SheetMotion known = track.motion_at(at).value_or(SheetMotion{});
+    known.row_time_s = kRowTime_s;
+    const auto fitted = [&](double x_m) {
+      CameraFromLandmark T = sheet_at(0.3, x_m);
+      T.translation_m.y() = 2 * rows_s_ / (kFocal_px * kRowTime_s);
+      return T;
+    };
+    const double now_s = frame_ * frame_s_;
+    PoseCandidate candidate = reading(fitted(2 * direction(now_s + rows_s_) - rows_s_ * known.translation_m_s.x()));
+    candidate.outlines.motion = known;
+    taken(track, readings({candidate}), at);
+    ++frame_;
+  }
+  /// How wrong the speed is, by which the rows of the frame that was looked at last are taken to the middle one.
+  double speed_error_1_s() const {
+    const double now_s = (frame_ - 1) * frame_s_;
+    return track.motion_now()->sheet.translation_m_s.x() / 2 -
+           (direction(now_s + rows_s_) - direction(now_s)) / rows_s_;
+  }
+
+  Track track{{.focal_px = kFocal_px}};
+
+ private:
+  static constexpr double kRowTime_s = 40e-6;
+  double direction(double t_s) const {
+    const double gaining_s = std::max(0.0, t_s - 3 * frame_s_);
+    return 0.1 * t_s + gains_1_s2_ * gaining_s * gaining_s / 2;
+  }
+  double gains_1_s2_, frame_s_, rows_s_;
+  int frame_ = 0;
+};
+
+/// By 36 px: what is too surprising to go on like that is measured all the same, and known no better than it is.
+TEST(Track, MeasuresTheSpeedOfWhatWasForetoldElsewhere) {
+  constexpr double kFrame_s = 0.05;
+  for (const double rows_s : {-0.007, 0.007}) {
+    GainingSpeed sheet(20, kFrame_s, rows_s);
+    for (int frame = 0; frame < 9; ++frame) {
+      sheet.look();
+      if (frame < 5) continue;
+      const auto measured = sheet.track.motion_now();
+      ASSERT_TRUE(measured && measured->gain) << frame;
+      EXPECT_GT(measured->gain->acceleration_1_s2.x(), 15) << frame;
+      EXPECT_NEAR(sheet.speed_error_1_s(), 0, kFrame_s * measured->gain->change_1_s2.norm() / 3)
+          << frame << ", rows at " << rows_s;
+    }
+  }
+}
+
 TEST(Track, IsSureOfItsNumbersOnceColoursHaveToldThem) {
   Track track({.focal_px = kFocal_px});
   taken(track, readings({reading(sheet_at(0.3))}), MonoTime(1s));

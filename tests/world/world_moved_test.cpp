@@ -303,6 +303,25 @@ TEST(WorldMoved, ASheetWhoseColoursWereMisreadWasNotMoved) {
   }
 }
 
+/// Of two that contradict each other one was moved, or the other; of two of which one was misread, neither.
+TEST(WorldMoved, ASheetWhoseColoursWereMisreadContradictsNobody) {
+  Random random(18);
+  for (int view = 0; view < 20; ++view) {
+    const Room room = test::random_room(random, {.landmarks = 2, .farthest_m = 3, .most_tilt_rad = 50 * kDeg});
+    for (const double others_odds : {1e-3, 1e-4, 1e-5}) {
+      auto seen = test::sightings_of(random, room);
+      LandmarkSighting& misread = seen[1].sighting;
+      misread.T_camera_landmark = renumbered(misread.T_camera_landmark, 3);
+      misread.dots = renumbered(misread.dots, 3);
+      seen[0].others_odds = 1e-9;
+      seen[1].others_odds = others_odds;
+      WorldSolver solver(room.map, {});
+      (void)solver.solve(seen);
+      EXPECT_EQ(solver.moved().disputed(), 0U) << view << ", " << others_odds;
+    }
+  }
+}
+
 TEST(WorldMoved, ASheetBesideItsReflectionWasNotMoved) {
   Random random(16);
   const Room room = test::random_room(random, {.landmarks = 3, .farthest_m = 3});
