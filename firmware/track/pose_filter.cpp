@@ -41,8 +41,7 @@ constexpr double kMisfitWeight = 0.05;  // of one frame: 20 frames are half a se
 /// A frame that lies twice as far from what was foretold as that allows, squared, makes the motion's noise larger by
 /// this share, one that agrees better smaller: three frames know a robot that brakes. [1]
 constexpr double kUnrestWeight = 0.4;
-/// The noise grows no further: accelerations of 30 times what is configured. It is the robot's, whatever track there
-/// is: one that begins anew keeps it. [1]
+/// The noise grows no further: accelerations of 30 times what is configured. [1]
 constexpr double kMostUnrest = 1000;
 
 double seconds(std::chrono::nanoseconds time) noexcept { return std::chrono::duration<double>(time).count(); }

@@ -4,9 +4,9 @@
 /// Constant velocity with white-noise acceleration (motion_model.h); a picture enters by its rays (pose_mode.h). Where
 /// pictures lie further from what was foretold than that allows, as of a robot that brakes harder than the options say,
 /// the noise grows until they agree, and falls back with the surprise (adaptive estimation by the innovations: R. K.
-/// Mehra, IEEE Trans. Automatic Control 17 (1972) 693-698). While
-/// a mirror image or another numbering is open, up to four hypotheses are followed, each weighted by the likelihood of
-/// what it foretold (a Gaussian sum: D. L. Alspach, H. W. Sorenson, IEEE Trans. Automatic Control 17 (1972) 439-448).
+/// Mehra, IEEE Trans. Automatic Control 17 (1972) 693-698). While a mirror image or another numbering is open, up to
+/// four hypotheses are followed, each weighted by the likelihood of what it foretold (a Gaussian sum: D. L. Alspach,
+/// H. W. Sorenson, IEEE Trans. Automatic Control 17 (1972) 439-448).
 ///
 /// It starts with a frame's readings; each that is offered later and is another crest under a hypothesis' prediction
 /// becomes one of its own, with what its crest is worth (Laplace's approximation of the posterior's mass there).
@@ -100,7 +100,7 @@ class PoseFilter {
   };
   std::optional<Forecast> forecast(MonoTime time) const noexcept;  ///< none: as at()
 
-  void reset() noexcept;
+  void reset() noexcept;  ///< forgets where the camera is; not how suddenly it moves
 
  private:
   struct Child {
@@ -131,7 +131,9 @@ class PoseFilter {
   bool has_frame_ = false;
   int gated_ = 0;
   double misfit_ = 1;
-  double unrest_ = 1;  // by how much the motion's noise is above that of the options [1]
+  // By how much the motion's noise is above that of the options. The robot's, whatever track there is: one that begins
+  // anew keeps it. [1]
+  double unrest_ = 1;
 };
 
 }  // namespace ninedot

@@ -259,10 +259,11 @@ void WorldSolver::note_disputes(const Scene& scene) noexcept {
     if (!scene.is_known(sighting)) continue;
     for (const std::size_t other : scene.by_sureness()) {
       if (!scene.is_known(other) || scene.seen()[other].coded == scene.seen()[sighting].coded) continue;
-      if (is_misread_by(other, sighting) || is_misread_by(sighting, other)) continue;
       const double beyond =
           disagreement_chi2(scene, other, coded_choice(scene, other), hypothesis) - options_.max_disagreement_chi2;
-      if (beyond > 0) moved_.dispute(one->landmark, beyond);
+      if (!(beyond > 0)) continue;
+      if (is_misread_by(other, sighting) || is_misread_by(sighting, other)) continue;
+      moved_.dispute(one->landmark, beyond);
     }
   }
 }
