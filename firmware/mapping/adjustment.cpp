@@ -220,7 +220,7 @@ double adjust(SightingNetwork& network, const AdjustmentOptions& options) {
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_SCHUR;
   solver.linear_solver_ordering = ordering;
-  solver.num_threads = options.threads;
+  solver.num_threads = 1;  // by several sums depend on who comes first; and most of the time is one factorisation's
   solver.max_num_iterations = options.max_iterations;
   solver.function_tolerance = kSettled;
   solver.parameter_tolerance = 0;

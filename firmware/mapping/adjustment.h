@@ -14,7 +14,6 @@ struct AdjustmentOptions {
   /// influence [1]. Infinite: none does.
   double tolerance = 1;
   int max_iterations = 50;
-  int threads = 2;
   std::function<void()> progress;  ///< called after every step; may be empty
 };
 

@@ -54,7 +54,7 @@ class MapBuilder {
   }
 
   void adjust_with(double tolerance, int max_iterations) {
-    adjust(network_, {tolerance, max_iterations, options_.threads, [this] { tell("adjustment"); }});
+    adjust(network_, {tolerance, max_iterations, [this] { tell("adjustment"); }});
   }
 
   /// Of a sighting, over its limit [1].

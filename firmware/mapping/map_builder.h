@@ -46,7 +46,6 @@ struct MapBuilderOptions {
   LandmarkGeometry geometry{};
   std::vector<std::uint16_t>
       exact;  ///< ids [1] of the origin, and of others whose places are exact. Not empty, or one is surveyed (contract)
-  int threads = 2;
   std::function<void(std::string_view what)> progress;  ///< a word about what is done, often; may be empty
 };
 
@@ -56,7 +55,7 @@ struct MapBuilderOptions {
 /// \param known   the landmarks that there are, all of `exact` among them (contract). Of the others those whose
 /// position
 ///                has an uncertainty are surveyed, and join in with it; what else is said of places is not used.
-/// Memory: allocates. Threads: uses `threads`.
+/// Memory: allocates. Threads: one, so that the same sightings give the same map to the last bit.
 BuiltMap build_map(std::span<const RecordedSightings> frames, const LandmarkMap& known,
                    const MapBuilderOptions& options);
 

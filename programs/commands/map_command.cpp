@@ -8,7 +8,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 #include "base/startup_error.h"
@@ -145,7 +144,6 @@ void make_map(const MapArguments& arguments, MapNews* news) {
     MapBuilderOptions options;
     options.geometry = localiser_options(start.config).seeker.landmark;
     options.exact = start.exact;
-    options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     options.progress = [&telling](std::string_view what) { telling.work(what); };
     BuiltMap map = build_map(frames, start.known, options);
     telling.check_that_somebody_listens();

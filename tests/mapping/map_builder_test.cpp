@@ -85,6 +85,21 @@ TEST(MapBuilder, RegardsThatTheCameraTurnedBetweenItsRows) {
   EXPECT_NEAR(std::sqrt(squares), 1, 0.2);
 }
 
+TEST(MapBuilder, MakesTheSameMapOfTheSameSightingsToTheLastBit) {
+  HallOptions options = small_hall();
+  options.turn_sigma_rad = 0.01;
+  const Hall hall = test::make_hall(options);
+  const BuiltMap map = map_of(hall);
+  for (int again = 0; again < 4; ++again) {
+    const BuiltMap other = map_of(hall);
+    ASSERT_EQ(map.placed.size(), other.placed.size());
+    for (std::size_t i = 0; i < map.placed.size(); ++i) {
+      EXPECT_EQ(map.placed[i].T_world_landmark.translation_m, other.placed[i].T_world_landmark.translation_m);
+      EXPECT_EQ(map.placed[i].covariance, other.placed[i].covariance);
+    }
+  }
+}
+
 TEST(MapBuilder, DoesNotMindMirrorImages) {
   HallOptions options = small_hall();
   options.mirrored = 1;

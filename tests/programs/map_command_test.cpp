@@ -9,7 +9,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -33,6 +35,7 @@ namespace fs = std::filesystem;
 
 constexpr int kWidth_px = 640, kHeight_px = 480, kSamples = 4;
 constexpr double kFocal_px = 600, kPaper_m = 0.105;
+constexpr std::size_t kSwingPeriod_ns = 30'000'000;
 using Colour = std::array<double, 3>;
 
 struct Sheet {
@@ -81,10 +84,12 @@ WorldFromCamera looking(const Eigen::Vector3d& position, const Eigen::Vector3d& 
   return {R, position};
 }
 
-void write_picture(const fs::path& path, const WorldFromCamera& camera, std::uint64_t seed) {
+/// \param camera_at  where the camera is while a row is exposed
+void write_picture(const fs::path& path, const std::function<WorldFromCamera(int row)>& camera_at, std::uint64_t seed) {
   test::Random random(seed);
   std::vector<std::uint8_t> pixels;
-  for (int v = 0; v < kHeight_px; ++v)
+  for (int v = 0; v < kHeight_px; ++v) {
+    const WorldFromCamera camera = camera_at(v);
     for (int u = 0; u < kWidth_px; ++u) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       for (int sample = 0; sample < kSamples * kSamples; ++sample) {
@@ -98,6 +103,7 @@ void write_picture(const fs::path& path, const WorldFromCamera& camera, std::uin
         pixels.push_back(static_cast<std::uint8_t>(
             std::lround(std::fmin(255, std::fmax(0, 255 * part / (kSamples * kSamples) + noise)))));
     }
+  }
   ASSERT_TRUE(write_png_rgb(path.string(), pixels, {kWidth_px, kHeight_px}));
 }
 
@@ -122,15 +128,27 @@ class MapCommandLine : public testing::Test {
   }
 
   void record(std::size_t pictures) {
+    write_recording(pictures, 200'000'000, [](std::size_t picture, int /*row*/) {
+      const double s = static_cast<double>(picture) / 5;
+      return looking({1.2 - 1.4 * s, 1.5 + 0.2 * s, 1.2 + 0.3 * s}, {0.6, 0, 1.4});
+    });
+  }
+  /// Rows one after the other by a camera that swings, the sheets in the upper third of its pictures.
+  void record_swinging(std::size_t pictures) { write_recording(pictures, kSwingPeriod_ns, swinging); }
+  static WorldFromCamera swinging(std::size_t picture, int row) {
+    const double time_s = 1e-9 * static_cast<double>(picture * kSwingPeriod_ns) + 33e-6 * (row - 239.5);
+    return looking({0.6, 2.6, 1.3}, {0.6 + 0.3 * std::sin(2 * std::numbers::pi * time_s / 0.8), 0, 0.6});
+  }
+  void write_recording(std::size_t pictures, std::size_t period_ns,
+                       const std::function<WorldFromCamera(std::size_t picture, int row)>& camera_at) {
     std::ofstream times(folder_ / "wall" / "frames.csv");
     times << "frame,timestamp_ns,pan_deg,tilt_deg\n";
     for (std::size_t i = 0; i < pictures; ++i) {
-      const double s = static_cast<double>(i) / 5;
-      const WorldFromCamera camera = looking({1.2 - 1.4 * s, 1.5 + 0.2 * s, 1.2 + 0.3 * s}, {0.6, 0, 1.4});
       char name[16];
       std::snprintf(name, sizeof name, "%06zu.png", i);
-      write_picture(folder_ / "wall" / "frames" / name, camera, i);
-      times << i << ',' << i * 200000000 << ",0,0\n";
+      write_picture(
+          folder_ / "wall" / "frames" / name, [&](int row) { return camera_at(i, row); }, i);
+      times << i << ',' << i * period_ns << ",0,0\n";
     }
   }
 
@@ -222,6 +240,25 @@ TEST_F(MapCommandLine, TakesASightingForAsUncertainAsItsRows) {
   };
   EXPECT_GT(largest_turn_rad("[camera]\nrow_time_us = 30\n"), 1e-5);
   EXPECT_EQ(largest_turn_rad("[camera]\nrow_time_us = 0\n"), 0);
+}
+
+TEST_F(MapCommandLine, KnowsByTheNextPictureHowTheCameraTurned) {
+  record_swinging(8);
+  write_config("[camera]\nrow_time_us = 33\n");
+  const CameraModel camera = read_camera_file(path("wall/camera.yaml"));
+  double squares_px2 = 0, count = 0;
+  for (const RecordedSightings& frame :
+       collect_sightings(path("wall"), 0, read_config(path("ninedot.toml")), camera, {}))
+    for (const LandmarkSighting& seen : frame.list) {
+      const WorldFromCamera at = swinging(frame.frame, 240);
+      const auto& sheet = *std::ranges::find(sheets(), int{seen.id}, &Sheet::id);
+      const Eigen::Vector3d p = at.rotation.transpose() * (sheet.place.translation_m - at.translation_m);
+      squares_px2 += (seen.T_camera_landmark.translation_m.hnormalized() - p.hnormalized()).squaredNorm() / 2 *
+                     kFocal_px * kFocal_px;
+      ++count;
+    }
+  EXPECT_GE(count, 20);
+  EXPECT_LT(std::sqrt(squares_px2 / count), 0.05) << "px";
 }
 
 TEST_F(MapCommandLine, RefusesWhatItCanNotStartFrom) {
