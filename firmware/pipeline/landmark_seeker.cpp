@@ -16,13 +16,19 @@ constexpr FullSolverOptions kInRooms{.most_sigma = 1, .pattern_px = 0.1};
 // Of two things that were made alike: their sizes in the picture, as far as the two poses know them.
 constexpr double kAsLarge = 0.9;
 
+FullSolverOptions full_options(const SeekerOptions& options) noexcept {
+  FullSolverOptions full = options.has_map ? kInRooms : FullSolverOptions{};
+  full.regards_walls = options.regards_walls;
+  return full;
+}
+
 }  // namespace
 
 LandmarkSeeker::LandmarkSeeker(const CameraModel& camera, const SeekerOptions& options)
     : options_(options),
       camera_(camera),
       detector_(camera, options.landmark, options.detector),
-      full_(camera, options.landmark, options.has_map ? kInRooms : FullSolverOptions{}),
+      full_(camera, options.landmark, full_options(options)),
       ellipse_(camera, options.landmark, options.ellipse) {}
 
 void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget, const RowTime& rows,

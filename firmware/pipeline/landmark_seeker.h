@@ -25,7 +25,8 @@ struct SeekerOptions {
   DetectorOptions detector{};
   Solver solver = Solver::kFull;
   EllipseCalibration ellipse{};
-  bool has_map = false;  ///< dots may have colours, and what a track foretells is known by its place in the map
+  bool regards_walls = false;  ///< FullSolverOptions::regards_walls
+  bool has_map = false;        ///< dots may have colours, and what a track foretells is known by its place in the map
 };
 
 /// Memory: everything is allocated by the constructor. Threads: one caller.

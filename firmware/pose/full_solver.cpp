@@ -99,9 +99,9 @@ struct FullSolver::Workspace {
         landmark(landmark_geometry),
         options(solver_options),
         rays(camera_model),
-        first(std::make_unique<OutlineRefiner>(camera, landmark, rays)),
-        second(std::make_unique<OutlineRefiner>(camera, landmark, rays)),
-        lit(camera, landmark, rays) {}
+        first(std::make_unique<OutlineRefiner>(camera, landmark, rays, options.regards_walls)),
+        second(std::make_unique<OutlineRefiner>(camera, landmark, rays, options.regards_walls)),
+        lit(camera, landmark, rays, options.regards_walls) {}
 
   Eigen::Vector2d ray_at_middle(const LandmarkObservation& seen, std::size_t dot, const Eigen::Vector2d& ray,
                                 double row_px, const SheetMotion& motion) const noexcept;

@@ -25,6 +25,7 @@ struct FullSolverOptions {
   /// What a colour camera's pattern and its interpolation leave at each dot: limits what tells two planar solutions
   /// apart (pose/mirror_image.h).
   double pattern_px = 0;
+  bool regards_walls = false;  ///< OutlinePixels::regards_walls
 };
 
 /// Memory: everything is allocated by the constructor; it is scratch, and no answer depends on the call before.

@@ -30,6 +30,10 @@ constexpr float kSeenBeyond_px = 5.5F, kSeenBeyondSigmas = 6.5F;
 /// sRGB curve, whatever the light). Left out, it moves dots beside the sides towards P9: by 0.01 to 0.03 px where
 /// those are two pixels away.
 constexpr double kWallShare = 0.25;
+/// An sRGB curve, of which an offset of so many sigmas of the blur tells, makes ink darker by this share of what a
+/// pixel sees of such a wall. Left out, dots whose blur reaches both are moved towards the wall: by 0.03 px along a
+/// motion of 3 px.
+constexpr double kInkByWall = 0.22, kCurve_sigmas = -0.43;
 constexpr double kDiagonal = 0.5;          // of both coordinates of a unit vector: 30 degrees from either axis
 constexpr float kNotAtCentre_m2 = 1e-12F;  // (1 um)^2: keeps the direction at a dot's very middle finite
 
@@ -120,6 +124,27 @@ void bend_tone(const DotView& v, OutlineColumns& columns) noexcept {
     for (std::size_t l = 0; l < kLanes; ++l) columns[kToneColumn][l] = -bend[l];
 }
 
+/// Where a pixel sees ink and wall a tone curve takes more off its grey level than off those of either alone.
+template <Asked kAsked>
+void darken_by_wall(const DotView& v, OutlineColumns& columns) noexcept {
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const float darker = 1 + v.ink_by_wall * columns[kBeyondColumn][l];
+    columns[kInkColumn][l] *= darker;
+    if constexpr (kAsked != Asked::kLightOnly)
+      for (std::size_t unknown = kStateColumn; unknown < kGreyColumn; ++unknown) columns[unknown][l] *= darker;
+  }
+}
+
+/// How what lies beyond changes along the side: a wall is brighter beside one half of the dot than beside the other
+/// where a door frame, a poster or another sheet begins.
+inline void fill_beyond_along(const Pixels& some, const DotView& v, OutlineColumns& columns) noexcept {
+  const float tx = -v.outward.y(), tz = v.outward.x(), middle_m = tx * v.middle.x() + tz * v.middle.y();
+  const float per_radius = kSlopeUnit / v.radius_m;
+  for (std::size_t l = 0; l < kLanes; ++l)
+    columns[kBeyondAlongColumn][l] = columns[kBeyondColumn][l] * per_radius *
+                                     (SideSlope(v, tx, tz, some.ray_x[l], some.ray_y[l]).along_m - middle_m);
+}
+
 /// The columns of the group's light, by the share of each pixel that is ink. A slope of the light is one of the paper
 /// and, as far as it is lit, of the ink: left out, it moves the dot.
 inline void fill_light(const Pixels& some, const OutlineGroup& group, const DotView& v, float first_luma,
@@ -133,10 +158,6 @@ inline void fill_light(const Pixels& some, const OutlineGroup& group, const DotV
     columns[kSlopeXColumn][l] = lit * (some.x_px[l] - middle_x);
     columns[kSlopeYColumn][l] = lit * (some.y_px[l] - middle_y);
   }
-  if (group.at_paper_edge)
-    fill_beyond(some, v, columns[kBeyondColumn]);
-  else
-    columns[kBeyondColumn] = Lanes{};
 }
 
 /// Of a dot that is small beside its blur.
@@ -334,6 +355,13 @@ void fill(const OutlinePixels& pixels, const OutlineGroup& group, const DotView&
     else
       fill_profile<kAsked>(some, v, batches[batch]);
     if (v.has_tone) bend_tone<kAsked>(v, batches[batch]);
+    if (group.at_paper_edge) {
+      fill_beyond(some, v, batches[batch][kBeyondColumn]);
+      darken_by_wall<kAsked>(v, batches[batch]);
+      if (group.whole_dot && pixels.regards_walls) fill_beyond_along(some, v, batches[batch]);
+    } else {
+      batches[batch][kBeyondColumn] = Lanes{};
+    }
     fill_light(some, group, v, first_luma, batches[batch]);
     if (group.whole_dot && edge)
       fill_edge(some, EdgeView(*edge, group, pixels.lit_ink()), v, disc.is_small(), batches[batch]);
@@ -371,7 +399,8 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
   blur_cos_px2 = static_cast<float>(state.blur_cos_px2), blur_sin_px2 = static_cast<float>(state.blur_sin_px2);
   // Of a dot on a diagonal the square's two sides, once one of them is near enough to be seen in its blur; before, what
   // may cover the corner beside it.
-  const Eigen::Vector2d outward = landmark.centre_m(dot).normalized();  // 0 of P9
+  const Eigen::Vector2d outwards = landmark.centre_m(dot).normalized();  // 0 of P9
+  outward = outwards.cast<float>();
   const float x = outward.x() > 0 ? 1.0F : -1.0F, z = outward.y() > 0 ? 1.0F : -1.0F;
   const auto is_seen = [&](float side_x, float side_z) {
     const SideSlope slope(*this, side_x, side_z, near_ray.x(), near_ray.y());
@@ -379,15 +408,18 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
     const float gap_px = static_cast<float>(landmark.white_beside_m(dot)) / slope.m_per_px();
     return gap_px < std::max(kSeenBeyond_px, kSeenBeyondSigmas * sigma_px);
   };
-  if (outward.cwiseAbs().minCoeff() > kDiagonal && (is_seen(x, 0) || is_seen(0, z))) {
+  if (outwards.cwiseAbs().minCoeff() > kDiagonal && (is_seen(x, 0) || is_seen(0, z))) {
     (void)beyond.try_push_back({x, 0.0F});
     (void)beyond.try_push_back({0.0F, z});
   } else if (dot != kCentreDot) {
-    (void)beyond.try_push_back(outward.cast<float>());
+    (void)beyond.try_push_back(outward);
   }
   offset_px = static_cast<float>(state.offset_px);
   // Where the tone has a column of its own the offset is not its doing.
   side_offset_px = pixels.has_tone ? 0 : static_cast<float>(-kWallShare * std::min(state.offset_px, 0.0));
+  const double curve_px = kCurve_sigmas * std::sqrt(std::max(state.blur_px2, static_cast<double>(kLeastVariance_px2)));
+  ink_by_wall =
+      !pixels.has_pattern ? 0 : static_cast<float>(kInkByWall * std::clamp(state.offset_px / curve_px, 0.0, 1.0));
   ink_share = pixels.ink_share;
   has_tone = pixels.has_tone;
   tone = static_cast<float>(state.tone);

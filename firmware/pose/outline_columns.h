@@ -29,6 +29,8 @@ inline constexpr std::size_t kToneColumn = kPatternColumns, kStateColumn = kTone
 inline constexpr std::size_t kPaperColumn = kGreyColumn + 1, kInkColumn = kGreyColumn + 2,
                              kBeyondColumn = kGreyColumn + 3, kSlopeXColumn = kGreyColumn + 4,
                              kSlopeYColumn = kGreyColumn + 5;
+/// Of a small dot beside a side of the sheet: by how much what lies beyond changes along it, per radius of the dot.
+inline constexpr std::size_t kBeyondAlongColumn = kGreyColumn + 6;
 /// Of a dot that a shadow's edge crosses: how much brighter paper, and ink with it, is beyond it, and how much ink is
 /// by itself, in place of the slopes; then the edge's own: its place, direction and width.
 inline constexpr std::size_t kBeyondEdgeColumn = kSlopeXColumn, kInkBeyondEdgeColumn = kSlopeYColumn,
@@ -58,10 +60,12 @@ struct DotView {
   /// Where what lies beyond the white begins, along the sheet's axes: unit vectors, square to them at the paper's
   /// radius [1]. P9 has none, most dots one; a dot on a diagonal that sees two of the square's sides has both.
   InlineVector<Eigen::Vector2f, 2> beyond;
+  Eigen::Vector2f outward;  ///< from P9, along the sheet's axes [1]; 0 of P9
   float radius_m, paper_radius_m;
   float bend;  ///< what the outline's curvature times (slope / depth)^3 is, over depth^3 [1/m^3 px^2]
   float blur_px2, blur_cos_px2, blur_sin_px2, offset_px;
   float side_offset_px;  ///< the sheet's sides are this much further out than at the paper's radius
+  float ink_by_wall;     ///< by this share of what lies beyond in a pixel its ink is darker
   float ink_share;       ///< OutlinePixels::ink_share
   bool has_tone;         ///< OutlinePixels::has_tone
   float tone;            ///< OutlineState::tone [1]

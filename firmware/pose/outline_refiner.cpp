@@ -93,12 +93,15 @@ const Stage& stage_of(int stage) noexcept { return kStages[static_cast<std::size
 
 }  // namespace
 
-OutlineRefiner::OutlineRefiner(const CameraModel& camera, const LandmarkGeometry& landmark, const RayTable& rays)
+OutlineRefiner::OutlineRefiner(const CameraModel& camera, const LandmarkGeometry& landmark, const RayTable& rays,
+                               bool regards_walls)
     : camera_(camera),
       landmark_(landmark),
       rays_(rays),
       usual_bend_(srgb_bend(kUsualPaper_lsb, kUsualContrast_lsb)),
-      pixels_(kMaxPixels) {}
+      pixels_(kMaxPixels) {
+  pixels_.regards_walls = regards_walls;
+}
 
 const OptimiserStatistics& OutlineRefiner::refine(const ImageView& luma, const OutlineState& start, Start quality,
                                                   double warp_px, int& pixels, Light light,

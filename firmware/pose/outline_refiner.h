@@ -19,7 +19,9 @@ namespace ninedot {
 class OutlineRefiner {
  public:
   /// \param rays  must outlive the refiner
-  OutlineRefiner(const CameraModel& camera, const LandmarkGeometry& landmark, const RayTable& rays);
+  /// \param regards_walls  OutlinePixels::regards_walls
+  OutlineRefiner(const CameraModel& camera, const LandmarkGeometry& landmark, const RayTable& rays,
+                 bool regards_walls = false);
 
   /// How good a start is.
   enum class Start : std::uint8_t {

@@ -147,6 +147,9 @@ class Elimination {
       case 3:
         take_out<3>();
         break;
+      case 6:
+        take_out<6>();
+        break;
       case 8:
         take_out<8>();
         break;
@@ -277,8 +280,11 @@ void GroupFitter::fit(const OutlineGroup& group, GroupFit& fit, std::size_t ever
   fit.usable = false;
   fit.light_px2 = 0;
   const bool has_edge = group.whole_dot && pixels_.light_edges[group.dot];
-  // Paper, ink, beyond, two slopes; of an edge two levels and three of its own.
-  const std::size_t own = has_edge ? 8 : group.whole_dot ? 5 : group.at_paper_edge ? 3 : 2;
+  // Paper, ink, beyond, two slopes, beyond's change along the side; of an edge two levels and three of its own.
+  const std::size_t own = has_edge              ? 8
+                          : group.whole_dot     ? (group.at_paper_edge && pixels_.regards_walls ? 6 : 5)
+                          : group.at_paper_edge ? 3
+                                                : 2;
   const std::size_t count = (static_cast<std::size_t>(group.count) + every - 1) / every;
   const bool beyond_is_empty = group.whole_dot && !group.at_paper_edge;
   fit.degrees_of_freedom = static_cast<int>(count) - static_cast<int>(own) + (beyond_is_empty ? 1 : 0);

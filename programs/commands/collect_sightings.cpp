@@ -61,6 +61,7 @@ std::vector<RecordedSightings> collect_sightings(
   // Places that are being looked for tell nothing of the shutter: a map that a wrong row time has bent confirms it.
   options.learns_row_time = false;
   if (!options.row_time) options.row_time = std::chrono::nanoseconds{0};
+  options.seeker.regards_walls = true;
   options.search_every = 1;  // there is time, and a landmark that comes into view is worth more here than anywhere else
   const auto localiser = make_localiser(camera, options);
   std::vector<Look> looks;

@@ -151,5 +151,37 @@ TEST(OutlineColumns, TheSheetsSidesAreFurtherOutWhereTheToneHasDotsSmaller) {
   EXPECT_EQ(beyond_px(-0.4), without_px) << "the tone's own column has it";
 }
 
+// Ink and wall in one pixel: an sRGB curve takes more off its grey level than off those of either alone. Of a camera
+// without a pattern a wide blur's curve has a column of its own, and a narrow blur reaches no two of them.
+TEST(OutlineColumns, InkIsDarkerWhereAPixelSeesTheWallAsWell) {
+  const CameraModel camera;
+  const RayTable rays(camera);
+  const std::vector<std::uint8_t> grey(static_cast<std::size_t>(camera.width_px * camera.height_px), 128);
+  OutlineState state;
+  state.T_camera_landmark = sheet_from(4, 0);
+  state.blur_px2 = 1;
+  const auto added_px = [&](double offset_px, bool has_pattern, OutlinePixels& pixels) {
+    ImageView picture{grey.data(), camera.width_px, camera.height_px, camera.width_px};
+    picture.has_pattern = has_pattern;
+    collect_outline_pixels(picture, camera, rays, {}, state.T_camera_landmark, 3, 1, {}, {}, pixels);
+    const auto beside = std::ranges::find(pixels.groups.span(), 2, &OutlineGroup::dot);
+    state.offset_px = offset_px;
+    const std::vector<double> ink = shares_of(pixels, *beside, state, kInkColumn);
+    const std::vector<double> beyond = shares_of(pixels, *beside, state, kBeyondColumn);
+    pixels.has_pattern = false;
+    const std::vector<double> alone = shares_of(pixels, *beside, state, kInkColumn);
+    double added = 0, seen_with_wall = 0;
+    for (std::size_t i = 0; i < ink.size(); ++i) added += ink[i] - alone[i], seen_with_wall += alone[i] * beyond[i];
+    EXPECT_GT(seen_with_wall, 0.01);
+    return added / seen_with_wall;
+  };
+  OutlinePixels pixels(12000);
+  EXPECT_NEAR(added_px(-0.43, true, pixels), 0.22, 0.01);
+  EXPECT_NEAR(added_px(-0.215, true, pixels), 0.11, 0.01) << "half of a curve";
+  EXPECT_NEAR(added_px(-0.7, true, pixels), 0.22, 0.01) << "no more than the curve";
+  EXPECT_EQ(added_px(0.4, true, pixels), 0) << "no curve moves ink outwards";
+  EXPECT_EQ(added_px(-0.43, false, pixels), 0);
+}
+
 }  // namespace
 }  // namespace ninedot

@@ -59,7 +59,7 @@ Colour ink(char letter) {
 }
 
 /// What a ray shows: dots, paper, or the grey wall behind.
-Colour shown(const Eigen::Vector3d& from, const Eigen::Vector3d& along) {
+Colour shown(const Eigen::Vector3d& from, const Eigen::Vector3d& along, bool has_poster) {
   for (const Sheet& sheet : sheets()) {
     const Eigen::Vector3d p = sheet.place.rotation.transpose() * (from - sheet.place.translation_m);
     const Eigen::Vector3d d = sheet.place.rotation.transpose() * along;
@@ -72,6 +72,9 @@ Colour shown(const Eigen::Vector3d& from, const Eigen::Vector3d& along) {
         return ink(dot == kCentreDot ? 'K' : sheet.code[dot]);
     return {0.92, 0.92, 0.92};
   }
+  // A dark poster, to the viewer's left of the upper half of the first sheet.
+  const double t = -from.y() / along.y(), x_m = from.x() + t * along.x(), z_m = from.z() + t * along.z();
+  if (has_poster && std::abs(x_m - 0.255) < 0.15 && std::abs(z_m - 1.55) < 0.15) return {0.05, 0.05, 0.05};
   return {0.6, 0.6, 0.6};
 }
 
@@ -84,8 +87,14 @@ WorldFromCamera looking(const Eigen::Vector3d& position, const Eigen::Vector3d& 
   return {R, position};
 }
 
+struct Look {
+  double seen_px = 1;  ///< each pixel sees a square of that side
+  bool has_poster = false;
+};
+
 /// \param camera_at  where the camera is while a row is exposed
-void write_picture(const fs::path& path, const std::function<WorldFromCamera(int row)>& camera_at, std::uint64_t seed) {
+void write_picture(const fs::path& path, const std::function<WorldFromCamera(int row)>& camera_at, std::uint64_t seed,
+                   const Look& look) {
   test::Random random(seed);
   std::vector<std::uint8_t> pixels;
   for (int v = 0; v < kHeight_px; ++v) {
@@ -93,9 +102,10 @@ void write_picture(const fs::path& path, const std::function<WorldFromCamera(int
     for (int u = 0; u < kWidth_px; ++u) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       for (int sample = 0; sample < kSamples * kSamples; ++sample) {
-        const double x = u + (sample % kSamples + 0.5) / kSamples - 0.5 - 319.5;
-        const double y = v + (sample / kSamples + 0.5) / kSamples - 0.5 - 239.5;
-        const Colour colour = shown(camera.translation_m, camera.rotation * Eigen::Vector3d(x, y, kFocal_px));
+        const double x = u + look.seen_px * ((sample % kSamples + 0.5) / kSamples - 0.5) - 319.5;
+        const double y = v + look.seen_px * ((sample / kSamples + 0.5) / kSamples - 0.5) - 239.5;
+        const Colour colour =
+            shown(camera.translation_m, camera.rotation * Eigen::Vector3d(x, y, kFocal_px), look.has_poster);
         sum += Eigen::Map<const Eigen::Vector3d>(colour.data());
       }
       const double noise = 1.5 * random.normal();
@@ -140,14 +150,15 @@ class MapCommandLine : public testing::Test {
     return looking({0.6, 2.6, 1.3}, {0.6 + 0.3 * std::sin(2 * std::numbers::pi * time_s / 0.8), 0, 0.6});
   }
   void write_recording(std::size_t pictures, std::size_t period_ns,
-                       const std::function<WorldFromCamera(std::size_t picture, int row)>& camera_at) {
+                       const std::function<WorldFromCamera(std::size_t picture, int row)>& camera_at,
+                       const Look& look = {}) {
     std::ofstream times(folder_ / "wall" / "frames.csv");
     times << "frame,timestamp_ns,pan_deg,tilt_deg\n";
     for (std::size_t i = 0; i < pictures; ++i) {
       char name[16];
       std::snprintf(name, sizeof name, "%06zu.png", i);
       write_picture(
-          folder_ / "wall" / "frames" / name, [&](int row) { return camera_at(i, row); }, i);
+          folder_ / "wall" / "frames" / name, [&](int row) { return camera_at(i, row); }, i, look);
       times << i << ',' << i * period_ns << ",0,0\n";
     }
   }
@@ -259,6 +270,33 @@ TEST_F(MapCommandLine, KnowsByTheNextPictureHowTheCameraTurned) {
     }
   EXPECT_GE(count, 20);
   EXPECT_LT(std::sqrt(squares_px2 / count), 0.05) << "px";
+}
+
+/// Of a single picture's dot it is half of its noise; a map is made of a hundred.
+TEST_F(MapCommandLine, RegardsWhatHangsBesideASheet) {
+  const auto camera_in = [](std::size_t picture, int /*row*/) {
+    const double s = 0.4 * static_cast<double>(picture);
+    return looking({0.4 + 0.3 * std::sin(5 * s), 4.9 - 0.02 * s, 1.3 + 0.1 * std::cos(7 * s)}, {0.35, 0, 1.4});
+  };
+  write_recording(12, 1'000'000'000, camera_in, {2.4, true});
+  write_config("[camera]\nrow_time_us = 0\n");
+  const CameraModel camera = read_camera_file(path("wall/camera.yaml"));
+  constexpr std::size_t kLeftDot = 2;
+  const Eigen::Vector2d on_sheet_m = LandmarkGeometry{}.centre_m(kLeftDot);
+  Eigen::Vector2d sum_px = Eigen::Vector2d::Zero();
+  int count = 0;
+  for (const RecordedSightings& frame :
+       collect_sightings(path("wall"), 0, read_config(path("ninedot.toml")), camera, {}))
+    for (const LandmarkSighting& seen : frame.list) {
+      if (seen.id != 1 || seen.dots[kLeftDot].information.isZero(0)) continue;
+      const WorldFromCamera at = camera_in(frame.frame, 0);
+      const Eigen::Vector3d p_m =
+          at.inverse() * (sheets()[0].place * Eigen::Vector3d(on_sheet_m.x(), 0, on_sheet_m.y()));
+      sum_px += kFocal_px * (seen.dots[kLeftDot].ray - p_m.hnormalized());
+      ++count;
+    }
+  ASSERT_GE(count, 8);
+  EXPECT_LT(std::abs(sum_px.y() / count), 0.02);
 }
 
 TEST_F(MapCommandLine, RefusesWhatItCanNotStartFrom) {
