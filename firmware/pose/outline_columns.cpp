@@ -30,6 +30,9 @@ constexpr float kSeenBeyond_px = 5.5F, kSeenBeyondSigmas = 6.5F;
 /// sRGB curve, whatever the light). Left out, it moves dots beside the sides towards P9: by 0.01 to 0.03 px where
 /// those are two pixels away.
 constexpr double kWallShare = 0.25;
+/// The same where what ink does beside a wall has a share of its own (kInkByWall): at the middle of the edge the curve
+/// is 0.05 of the light's step away from a straight line, which is 0.125 sigmas of the blur.
+constexpr double kWallShareAlone = 0.29;
 /// An sRGB curve, of which an offset of so many sigmas of the blur tells, makes ink darker by this share of what a
 /// pixel sees of such a wall. Left out, dots whose blur reaches both are moved towards the wall: by 0.03 px along a
 /// motion of 3 px.
@@ -416,7 +419,8 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
   }
   offset_px = static_cast<float>(state.offset_px);
   // Where the tone has a column of its own the offset is not its doing.
-  side_offset_px = pixels.has_tone ? 0 : static_cast<float>(-kWallShare * std::min(state.offset_px, 0.0));
+  const double share_of_wall = pixels.has_pattern ? kWallShareAlone : kWallShare;
+  side_offset_px = pixels.has_tone ? 0 : static_cast<float>(-share_of_wall * std::min(state.offset_px, 0.0));
   const double curve_px = kCurve_sigmas * std::sqrt(std::max(state.blur_px2, static_cast<double>(kLeastVariance_px2)));
   ink_by_wall =
       !pixels.has_pattern ? 0 : static_cast<float>(kInkByWall * std::clamp(state.offset_px / curve_px, 0.0, 1.0));
