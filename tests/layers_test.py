@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""Fails on an #include that points the wrong way.
+"""Fails on an #include that points the wrong way, and on two types of one name.
 
     tests/layers_test.py [ROOT]       checks the tree (default: the one that this script is in)
     tests/layers_test.py --self-test  proves on made-up trees that each kind of violation is caught
 
 The arrows of docs/architecture.md are the table ALLOWED below; OWNERS says who may use which outside library.
-Files under tests/ may include anything, and nothing outside tests/ may include them.
+Files under tests/ may include anything, and nothing outside tests/ may include them. All of it is one namespace: two types of one name
+in two headers are the same to the linker, which keeps one of their functions (C++ [basic.def.odr]), and no compiler says so.
 """
 import os
 import re
@@ -131,8 +132,12 @@ def check_include(root, path, included, quoted):
     return None
 
 
+# At the beginning of a line, so in no other type.
+TYPE = re.compile(r"(?:template\s*<.*>\s*)?(?:struct|class|enum(?:\s+class)?|union)\s+(?:\[\[.*?\]\]\s*|alignas\([^)]*\)\s*)?(\w+)\b[^;]*\{")
+
+
 def violations(root):
-    found, count, rooms = [], 0, {}
+    found, count, rooms, types = [], 0, {}, {}
     for path in sources(root):
         count += 1
         if rule_of(path)[0] is None:
@@ -145,6 +150,9 @@ def violations(root):
         if len(lines) > MAX_LINES:
             found.append(f"{path}: {len(lines)} lines, more than {MAX_LINES}: split it by what its parts do")
         for number, line in enumerate(lines, 1):
+            match = TYPE.match(line) if path.endswith(".h") else None
+            if match and types.setdefault(match.group(1), path) != path:
+                found.append(f"{path}:{number}: {match.group(1)} is a type of {types[match.group(1)]} as well: give it a name of its own")
             match = INCLUDE.match(line)
             if match:
                 why = check_include(root, path, match.group(2), match.group(1) == '"')
@@ -172,7 +180,7 @@ GOOD = {
     "drivers/posix/fd.h": "#include <unistd.h>\n",
     "firmware/report/report.h": '#include "base/result.h"\n',
     "firmware/outputs/wire.h": '#include "report/report.h"\n#include "proto/registers.h"\n',
-    "proto/wire.h": '#include "base/result.h"\n',
+    "proto/wire.h": '#include "base/result.h"\nstruct Taken {\n',
     "proto/registers.h": '#include "proto/wire.h"\n',
     "tests/support/render.h": '#include "programs/main.cpp"\n',
 }
@@ -201,6 +209,7 @@ BAD = [
     ("firmware/gadgets/a.cpp", "#include <cstdint>\n", "its folder is in no layer"),
     ("firmware/base/a.cpp", '#include "base/nowhere.h"\n', "is not in the tree"),
     ("proto/a.cpp", "\n" * (MAX_LINES + 1), "more than 500"),
+    ("proto/z.h", "struct Taken final {\n", "Taken is a type of proto/wire.h as well"),
 ]
 
 

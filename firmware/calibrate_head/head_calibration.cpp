@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/median.h"
 #include "base/units.h"
 #include "calibrate_head/head_adjustment.h"
 #include "geometry/euler_angles.h"
@@ -29,13 +30,6 @@ constexpr double kMedianDeviate = 0.6745;
 constexpr std::size_t kFolds = 8;
 /// Fewer say nothing of a spread.
 constexpr std::ptrdiff_t kLeastStops = 5;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 /// The chain's numbers as a person reads them: tilt_axis_m.x, camera_m, camera_rpy_rad.
 Eigen::Matrix<double, kChainUnknowns, 1> chain_of(const BodyGeometry& body) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/contract.h"
+#include "base/median.h"
 #include "base/units.h"
 
 namespace ninedot {
@@ -20,12 +21,6 @@ constexpr double kFirstSpread_rad = 3 * kRadPerDeg;
 double difference(const FootFromLandmark& a, const FootFromLandmark& b) {
   return log_so3(a.rotation.transpose() * b.rotation).norm() +
          (a.translation_m - b.translation_m).norm() / std::max(0.1, a.translation_m.norm());
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 /// The one that is nearest to most.

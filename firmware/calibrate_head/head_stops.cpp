@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 
+#include "base/median.h"
 #include "base/units.h"
 
 namespace ninedot {
@@ -33,12 +34,6 @@ constexpr double kCommonShare = 0.5;
 
 bool is_same(const HeadAngles& a, const HeadAngles& b, double to_rad) {
   return std::abs(a.pan_rad - b.pan_rad) < to_rad && std::abs(a.tilt_rad - b.tilt_rad) < to_rad;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 Eigen::Vector2d direction_of(const LandmarkSighting& sighting) {

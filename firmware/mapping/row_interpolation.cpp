@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/contract.h"
+#include "base/median.h"
 
 namespace ninedot {
 namespace {
@@ -20,7 +21,7 @@ constexpr std::size_t kLongest = 3;  // pictures that a polynomial goes through
 
 /// The landmark's own place in one picture, as its rows saw it.
 struct Point {
-  MovingSighting* sighting;
+  RowedSighting* sighting;
   double time_s;        ///< of the picture's middle row, since the recording's first
   double exposed_s;     ///< of the landmark's own row, likewise
   Eigen::Vector2d ray;  ///< at that instant
@@ -38,12 +39,12 @@ double exposed_since_s(const Eigen::Vector2d& ray, const Eigen::Vector2d& veloci
   return since_s;
 }
 
-Eigen::Vector2d velocity_taken_out(const MovingSighting& sighting) {
+Eigen::Vector2d velocity_taken_out(const RowedSighting& sighting) {
   const Eigen::Vector3d& t_m = sighting.seen->T_camera_landmark.translation_m;
   return sighting.motion.ray_velocity(t_m, t_m);
 }
 
-Point point_of(MovingSighting& sighting, MonoTime start, const CameraModel& camera) {
+Point point_of(RowedSighting& sighting, MonoTime start, const CameraModel& camera) {
   const Eigen::Vector2d ray = sighting.seen->T_camera_landmark.translation_m.hnormalized();
   const Eigen::Vector2d velocity = velocity_taken_out(sighting);
   const double time_s = std::chrono::duration<double>(sighting.time - start).count();
@@ -66,10 +67,7 @@ double usual_coefficient(const std::map<std::uint16_t, Path>& paths, std::size_t
   for (const auto& [id, path] : paths)
     for (std::size_t first = 0; first + points <= path.size(); ++first)
       sizes.push_back(divided_difference(std::span(path).subspan(first, points)).norm());
-  if (sizes.empty()) return kUnknown;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::ranges::nth_element(sizes, middle);
-  return *middle;
+  return sizes.empty() ? kUnknown : median(sizes);
 }
 
 /// A landmark's ray around the instant of its picture.
@@ -139,7 +137,7 @@ class PathInterpolation {
   const std::array<double, kLongest + 1>& usual_;
 };
 
-void retake(MovingSighting& sighting, const Motion& motion, const CameraModel& camera) {
+void retake(RowedSighting& sighting, const Motion& motion, const CameraModel& camera) {
   const Eigen::Vector2d velocity = velocity_taken_out(sighting);
   const auto moved_by = [&](const Eigen::Vector2d& ray) -> Eigen::Vector2d {
     const double since_s = exposed_since_s(ray, velocity, sighting.motion, camera);
@@ -153,9 +151,9 @@ void retake(MovingSighting& sighting, const Motion& motion, const CameraModel& c
 
 }  // namespace
 
-void interpolate_rows(std::span<MovingSighting> sightings, const CameraModel& camera) {
+void interpolate_rows(std::span<RowedSighting> sightings, const CameraModel& camera) {
   std::map<std::uint16_t, Path> paths;
-  for (MovingSighting& sighting : sightings) {
+  for (RowedSighting& sighting : sightings) {
     EXPECTS(sighting.seen != nullptr);
     if (sighting.motion.row_time_s == 0) continue;
     const Point point = point_of(sighting, sightings.front().time, camera);
@@ -167,7 +165,7 @@ void interpolate_rows(std::span<MovingSighting> sightings, const CameraModel& ca
   for (const auto& [id, path] : paths) {
     const PathInterpolation interpolation(path, usual);
     for (std::size_t picture = 0; picture < path.size(); ++picture) {
-      MovingSighting& sighting = *path[picture].sighting;
+      RowedSighting& sighting = *path[picture].sighting;
       const std::optional<Motion> motion = interpolation.motion_in(picture);
       if (motion && motion->rate_sigma_1_s * std::abs(sighting.motion.row_time_s) < sighting.per_row_rad)
         retake(sighting, *motion, camera);

@@ -16,7 +16,7 @@
 
 namespace ninedot {
 
-struct MovingSighting {
+struct RowedSighting {
   LandmarkSighting* seen = nullptr;  ///< not null (contract); its rays are those of `time`
   MonoTime time;                     ///< when the middle row was exposed
   SheetMotion motion;                ///< that took them there from the instants of their own rows
@@ -27,6 +27,6 @@ struct MovingSighting {
 /// certain than the motion that they were taken there by, and says how certain it is. Elsewhere, and where all rows are
 /// exposed at once, nothing changes. \param sightings  of one recording, in the order of their times Memory: allocates.
 /// Threads: one.
-void interpolate_rows(std::span<MovingSighting> sightings, const CameraModel& camera);
+void interpolate_rows(std::span<RowedSighting> sightings, const CameraModel& camera);
 
 }  // namespace ninedot

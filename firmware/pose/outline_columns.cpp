@@ -33,10 +33,10 @@ constexpr double kWallShare = 0.25;
 /// The same where what ink does beside a wall has a share of its own (kInkByWall): at the middle of the edge the curve
 /// is 0.05 of the light's step away from a straight line, which is 0.125 sigmas of the blur.
 constexpr double kWallShareAlone = 0.29;
-/// An sRGB curve, of which an offset of so many sigmas of the blur tells, makes ink darker by this share of what a
+/// An sRGB curve, of which an offset of kToneOffset tells, makes ink darker by this share of what a
 /// pixel sees of such a wall. Left out, dots whose blur reaches both are moved towards the wall: by 0.03 px along a
 /// motion of 3 px.
-constexpr double kInkByWall = 0.22, kCurve_sigmas = -0.43;
+constexpr double kInkByWall = 0.22;
 constexpr double kDiagonal = 0.5;          // of both coordinates of a unit vector: 30 degrees from either axis
 constexpr float kNotAtCentre_m2 = 1e-12F;  // (1 um)^2: keeps the direction at a dot's very middle finite
 
@@ -130,6 +130,7 @@ void bend_tone(const DotView& v, OutlineColumns& columns) noexcept {
 /// Where a pixel sees ink and wall a tone curve takes more off its grey level than off those of either alone.
 template <Asked kAsked>
 void darken_by_wall(const DotView& v, OutlineColumns& columns) noexcept {
+  if (v.ink_by_wall == 0) return;
   for (std::size_t l = 0; l < kLanes; ++l) {
     const float darker = 1 + v.ink_by_wall * columns[kBeyondColumn][l];
     columns[kInkColumn][l] *= darker;
@@ -402,8 +403,7 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
   blur_cos_px2 = static_cast<float>(state.blur_cos_px2), blur_sin_px2 = static_cast<float>(state.blur_sin_px2);
   // Of a dot on a diagonal the square's two sides, once one of them is near enough to be seen in its blur; before, what
   // may cover the corner beside it.
-  const Eigen::Vector2d outwards = landmark.centre_m(dot).normalized();  // 0 of P9
-  outward = outwards.cast<float>();
+  outward = landmark.centre_m(dot).normalized().cast<float>();
   const float x = outward.x() > 0 ? 1.0F : -1.0F, z = outward.y() > 0 ? 1.0F : -1.0F;
   const auto is_seen = [&](float side_x, float side_z) {
     const SideSlope slope(*this, side_x, side_z, near_ray.x(), near_ray.y());
@@ -411,7 +411,7 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
     const float gap_px = static_cast<float>(landmark.white_beside_m(dot)) / slope.m_per_px();
     return gap_px < std::max(kSeenBeyond_px, kSeenBeyondSigmas * sigma_px);
   };
-  if (outwards.cwiseAbs().minCoeff() > kDiagonal && (is_seen(x, 0) || is_seen(0, z))) {
+  if (outward.cwiseAbs().minCoeff() > kDiagonal && (is_seen(x, 0) || is_seen(0, z))) {
     (void)beyond.try_push_back({x, 0.0F});
     (void)beyond.try_push_back({0.0F, z});
   } else if (dot != kCentreDot) {
@@ -421,7 +421,7 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
   // Where the tone has a column of its own the offset is not its doing.
   const double share_of_wall = pixels.has_pattern ? kWallShareAlone : kWallShare;
   side_offset_px = pixels.has_tone ? 0 : static_cast<float>(-share_of_wall * std::min(state.offset_px, 0.0));
-  const double curve_px = kCurve_sigmas * std::sqrt(std::max(state.blur_px2, static_cast<double>(kLeastVariance_px2)));
+  const double curve_px = kToneOffset * std::sqrt(std::max(state.blur_px2, static_cast<double>(kLeastVariance_px2)));
   ink_by_wall =
       !pixels.has_pattern ? 0 : static_cast<float>(kInkByWall * std::clamp(state.offset_px / curve_px, 0.0, 1.0));
   ink_share = pixels.ink_share;

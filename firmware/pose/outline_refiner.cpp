@@ -78,9 +78,8 @@ constexpr double kNoTone_px2 = 0.8, kAllTone_px2 = 1.2;
 // Then the offset is what ink spreads on paper: with both free, and the blur, steps go to and fro along a valley that
 // leaves the pose where it is.
 constexpr double kDotGainSigma_px = 0.1;
-// What an sRGB curve that is taken for an offset and a Gaussian makes of them: outlines that much further out, in
-// sigmas of the blur, and that share of its variance.
-constexpr double kToneOffset = -0.43, kToneBlur = 0.19;
+// What an sRGB curve that is taken for an offset and a Gaussian makes of the latter's variance, beside kToneOffset.
+constexpr double kToneBlur = 0.19;
 // Until the first fit: of ink and paper in usual light. [LSB]
 constexpr double kUsualPaper_lsb = 190, kUsualContrast_lsb = 145;
 constexpr double kMeanBlur_px2 = 0.7, kMeanBlurSigma_px2 = 3;  // prior: 0.84 px, small sensors; up to 2.5 px at 2 sigma

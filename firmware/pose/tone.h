@@ -14,6 +14,10 @@
 
 namespace ninedot {
 
+/// What an sRGB curve that is taken for an offset of the outlines makes of it, between usual paper and ink: so much
+/// further out. [sigmas of the blur]
+inline constexpr double kToneOffset = -0.43;
+
 /// a, b and c. [1]
 using ToneBend = std::array<float, 3>;
 

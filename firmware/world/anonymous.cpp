@@ -30,7 +30,7 @@ double reach_m(const Scene& scene, std::size_t sighting, const PoseCovariance& c
 /// Adds a sighting to one hypothesis as each landmark that it agrees with; the first goes into the hypothesis, further
 /// ones are appended as hypotheses of their own.
 bool take_in(const Scene& scene, std::size_t sighting, std::size_t at, HypothesisList& list) noexcept {
-  const Hypothesis before = list[at];
+  const WorldHypothesis before = list[at];
   const PoseCovariance covariance = before.normal.llt().solve(PoseInformation::Identity());
   const Eigen::Matrix3d& R = before.T_world_camera.rotation;
   const Eigen::Vector3d expected_m = before.T_world_camera * scene.own(sighting).T_camera_landmark.translation_m;
@@ -41,7 +41,7 @@ bool take_in(const Scene& scene, std::size_t sighting, std::size_t at, Hypothesi
     if (!scene.is_believed(landmark) || uses(before, landmark)) continue;
     const Eigen::Matrix3d R_camera_landmark = R.transpose() * scene.map()[landmark].T_world_landmark.rotation;
     for (const std::size_t turn : turns_for(scene, sighting, R_camera_landmark)) {
-      Hypothesis with = before;
+      WorldHypothesis with = before;
       if (!try_add(scene, sighting, {landmark, turn}, with)) continue;
       if (!is_in)
         list[at] = with;
@@ -71,7 +71,7 @@ bool start_near_prior(const Scene& scene, const WorldPrior& prior, HypothesisLis
   bool is_complete = true;
   for (const std::size_t i : scene.by_sureness()) {
     if (!scene.is_anonymous(i) ||
-        std::ranges::any_of(list, [&](const Hypothesis& h) { return h.choices[i].is_made(); }))
+        std::ranges::any_of(list, [&](const WorldHypothesis& h) { return h.choices[i].is_made(); }))
       continue;
     const Eigen::Vector3d expected_m = prior.T_world_camera * scene.own(i).T_camera_landmark.translation_m;
     NearbyLandmarks nearby;
@@ -83,7 +83,7 @@ bool start_near_prior(const Scene& scene, const WorldPrior& prior, HypothesisLis
       for (const std::size_t turn : turns_for(scene, i, R_camera_landmark)) {
         of_this.clear();
         start_alone(scene, i, {landmark, turn}, of_this);
-        for (Hypothesis& hypothesis : of_this)
+        for (WorldHypothesis& hypothesis : of_this)
           if (settle(scene, hypothesis) && prior_chi2(prior, hypothesis) <= scene.options().max_disagreement_chi2)
             is_complete &= list.try_push_back(hypothesis);
       }
@@ -103,16 +103,16 @@ bool start_with_the_only_one(const Scene& scene, HypothesisList& list) noexcept 
     HypothesisList of_this;
     for (std::size_t turn = 0; turn < kRingDotCount; ++turn) start_alone(scene, i, {landmark, turn}, of_this);
     // Of eight numberings most are out of the question.
-    for (Hypothesis& hypothesis : of_this) static_cast<void>(settle(scene, hypothesis));
-    const double best = std::ranges::min_element(of_this, {}, &Hypothesis::cost)->cost;
-    for (const Hypothesis& hypothesis : of_this)
+    for (WorldHypothesis& hypothesis : of_this) static_cast<void>(settle(scene, hypothesis));
+    const double best = std::ranges::min_element(of_this, {}, &WorldHypothesis::cost)->cost;
+    for (const WorldHypothesis& hypothesis : of_this)
       if (hypothesis.cost < best + 2 * scene.options().max_disagreement_chi2)
         is_complete &= list.try_push_back(hypothesis);
   }
   return is_complete;
 }
 
-Choice nearest_unseen(const Scene& scene, std::size_t sighting, const Hypothesis& hypothesis) noexcept {
+Choice nearest_unseen(const Scene& scene, std::size_t sighting, const WorldHypothesis& hypothesis) noexcept {
   const WorldFromCamera& T = hypothesis.T_world_camera;
   const Eigen::Vector3d seen_m = T * scene.own(sighting).T_camera_landmark.translation_m;
   NearbyLandmarks nearby;

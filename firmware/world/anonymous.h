@@ -32,6 +32,6 @@ bool start_with_pairs(const Scene& scene, HypothesisList& list) noexcept;
 
 /// The black-and-white landmark that hangs where a sighting that nothing explains is, to half a metre: it was moved.
 /// None: nothing hangs there that is not seen elsewhere. \param sighting  index [1]
-Choice nearest_unseen(const Scene& scene, std::size_t sighting, const Hypothesis& hypothesis) noexcept;
+Choice nearest_unseen(const Scene& scene, std::size_t sighting, const WorldHypothesis& hypothesis) noexcept;
 
 }  // namespace ninedot

@@ -69,7 +69,7 @@ class PairSearch {
     HypothesisList of_a;
     start_alone(scene_, a_, a, of_a);
     unsigned tried = 0;
-    for (const Hypothesis& alone : of_a) {
+    for (const WorldHypothesis& alone : of_a) {
       const Eigen::Matrix3d R_camera_landmark =
           alone.T_world_camera.rotation.transpose() * scene_.map()[landmark_b].T_world_landmark.rotation;
       for (const std::size_t turn : turns_for(scene_, b_, R_camera_landmark)) {
@@ -129,7 +129,7 @@ bool search_pair(const Scene& scene, std::size_t a, std::size_t b, Allowance& le
         if (--left.fitted < 0) return false;
         HypothesisList of_pair;
         search.fit({landmark_a, turn}, landmark_b, of_pair);
-        for (const Hypothesis& hypothesis : of_pair)
+        for (const WorldHypothesis& hypothesis : of_pair)
           if (!list.try_push_back(hypothesis)) return false;
       }
     }
@@ -148,11 +148,11 @@ bool start_with_pairs(const Scene& scene, HypothesisList& list) noexcept {
   Allowance left;
   for (std::size_t b = 1; b < sighted.size(); ++b) {
     for (std::size_t a = 0; a < b && pairs < kMaxSightedPairs; ++a) {
-      const auto has_both = [&](const Hypothesis& h) {
+      const auto has_both = [&](const WorldHypothesis& h) {
         return h.choices[sighted[a]].is_made() && h.choices[sighted[b]].is_made();
       };
       // As with coded ones: what a majority agrees on can't be outvoted.
-      const auto has_majority = [&](const Hypothesis& h) { return 2 * h.used > static_cast<int>(sighted.size()); };
+      const auto has_majority = [&](const WorldHypothesis& h) { return 2 * h.used > static_cast<int>(sighted.size()); };
       if (std::ranges::any_of(list, has_majority) || std::ranges::any_of(list, has_both)) continue;
       ++pairs;
       is_complete &= search_pair(scene, sighted[a], sighted[b], left, list);

@@ -6,7 +6,7 @@
 namespace ninedot {
 namespace {
 
-bool stands_on_it(const Scene& scene, const Hypothesis& hypothesis) noexcept {
+bool stands_on_it(const Scene& scene, const WorldHypothesis& hypothesis) noexcept {
   return uses(hypothesis, *scene.prior()->stands_on);
 }
 
@@ -22,18 +22,18 @@ double cost_of_track(const Scene& scene) noexcept {
 
 bool is_track_contested(const Scene& scene, const HypothesisList& list) noexcept {
   return scene.prior() != nullptr && scene.prior()->stands_on &&
-         std::ranges::any_of(list, [&](const Hypothesis& h) { return stands_on_it(scene, h); });
+         std::ranges::any_of(list, [&](const WorldHypothesis& h) { return stands_on_it(scene, h); });
 }
 
 void weigh_without_track(const Scene& scene, HypothesisList& list) noexcept {
   // That the landmark is where its own track foretells it says nothing for its place in the map: what misses there
   // counts against all alike.
   double own_way = std::numeric_limits<double>::infinity();
-  for (const Hypothesis& hypothesis : list)
+  for (const WorldHypothesis& hypothesis : list)
     if (stands_on_it(scene, hypothesis)) own_way = std::min(own_way, hypothesis.prior_cost);
   const WorldPrior* without = scene.prior()->without;
   const double of_track = without != nullptr ? cost_of_track(scene) : 0;
-  for (Hypothesis& hypothesis : list) {
+  for (WorldHypothesis& hypothesis : list) {
     if (stands_on_it(scene, hypothesis)) continue;
     hypothesis.cost -= hypothesis.prior_cost;
     hypothesis.prior_cost = own_way;

@@ -59,7 +59,7 @@ struct Members {
   std::span<const JointMember> span() const noexcept { return {list.data(), size}; }
 };
 
-Members members_of(const Scene& scene, const Hypothesis& hypothesis) noexcept {
+Members members_of(const Scene& scene, const WorldHypothesis& hypothesis) noexcept {
   Members members;
   for (std::size_t i = 0; i < scene.seen().size(); ++i)
     if (hypothesis.choices[i].is_made()) members.add(scene, i, hypothesis.choices[i]);
@@ -80,7 +80,7 @@ double left_out_chi2(const Scene& scene, const Members& members, const JointFit&
 
 /// The dots' numbering, once for all: there is one camera and one roll, and what several sightings say of it is one
 /// statement. The worst of them.
-double numbering_cost(const Scene& scene, const Hypothesis& hypothesis) noexcept {
+double numbering_cost(const Scene& scene, const WorldHypothesis& hypothesis) noexcept {
   double worst = 0;
   for (std::size_t i = 0; i < scene.seen().size(); ++i) {
     if (!hypothesis.choices[i].is_made() || scene.seen()[i].coded) continue;
@@ -96,13 +96,13 @@ bool agrees(const Scene& scene, const Members& members, const JointFit& fit, std
 
 }  // namespace
 
-bool uses(const Hypothesis& hypothesis, std::size_t landmark) noexcept {
+bool uses(const WorldHypothesis& hypothesis, std::size_t landmark) noexcept {
   return std::ranges::any_of(hypothesis.choices, [&](const Choice& choice) { return choice.landmark == landmark; });
 }
 
 void start_alone(const Scene& scene, std::size_t sighting, const Choice& choice, HypothesisList& list) noexcept {
   const SightedLandmark& seen = scene.seen()[sighting];
-  Hypothesis hypothesis;
+  WorldHypothesis hypothesis;
   hypothesis.used = 1;
   hypothesis.choices[sighting] = choice;
   hypothesis.T_world_camera = scene.camera_by(scene.own(sighting).T_camera_landmark, choice);
@@ -137,7 +137,7 @@ bool start_with_pair(const Scene& scene, std::size_t first, const Choice& first_
     JointFit fit;
     fit_jointly(pair.span(), starts[s], scene.landmark(), fit);
     if (!agrees(scene, pair, fit, 1)) continue;
-    Hypothesis hypothesis;
+    WorldHypothesis hypothesis;
     hypothesis.T_world_camera = fit.T_world_camera;
     hypothesis.normal = fit.sum.normal;
     hypothesis.used = 2;
@@ -150,7 +150,7 @@ bool start_with_pair(const Scene& scene, std::size_t first, const Choice& first_
 }
 
 double disagreement_chi2(const Scene& scene, std::size_t sighting, const Choice& choice,
-                         const Hypothesis& hypothesis) noexcept {
+                         const WorldHypothesis& hypothesis) noexcept {
   const JointMember member = scene.member(sighting, choice);
   const SightingFit fit = fit_of_member(member, hypothesis.T_world_camera, scene.landmark());
   if (!std::isfinite(fit.chi2)) return kNever;
@@ -159,7 +159,7 @@ double disagreement_chi2(const Scene& scene, std::size_t sighting, const Choice&
   return forgiving_chi2(scene, sighting, member, fit, hypothesis.T_world_camera, hypothesis.normal, PoseStep::Zero());
 }
 
-bool try_add(const Scene& scene, std::size_t sighting, const Choice& choice, Hypothesis& hypothesis) noexcept {
+bool try_add(const Scene& scene, std::size_t sighting, const Choice& choice, WorldHypothesis& hypothesis) noexcept {
   EXPECTS(hypothesis.used >= 1);
   const JointMember member = scene.member(sighting, choice);
   const SightingFit fit = fit_of_member(member, hypothesis.T_world_camera, scene.landmark());
@@ -192,7 +192,7 @@ bool try_add(const Scene& scene, std::size_t sighting, const Choice& choice, Hyp
   return true;
 }
 
-bool settle(const Scene& scene, Hypothesis& hypothesis) noexcept {
+bool settle(const Scene& scene, WorldHypothesis& hypothesis) noexcept {
   EXPECTS(hypothesis.used >= 1);
   // Of one sighting the grey levels know more than the rays: what they say against a crest counts.
   double disagreement = hypothesis.crest_chi2;
@@ -230,7 +230,7 @@ bool settle(const Scene& scene, Hypothesis& hypothesis) noexcept {
   return true;
 }
 
-double prior_chi2(const WorldPrior& prior, const Hypothesis& hypothesis) noexcept {
+double prior_chi2(const WorldPrior& prior, const WorldHypothesis& hypothesis) noexcept {
   const PoseStep step = step_between(prior.T_world_camera, hypothesis.T_world_camera);
   const PoseCovariance own = hypothesis.normal.llt().solve(PoseInformation::Identity());
   return by_inverse(prior.covariance + own, step);
@@ -241,7 +241,7 @@ double cost_by_prior(const Scene& scene, const WorldPrior& prior, double chi2) n
   return std::min(chi2, prior.ambiguity > 0 ? std::min(most, -2 * std::log(prior.ambiguity)) : most);
 }
 
-bool is_same_place(const Hypothesis& a, const WorldFromCamera& T_world_camera) noexcept {
+bool is_same_place(const WorldHypothesis& a, const WorldFromCamera& T_world_camera) noexcept {
   const PoseStep step = step_between(a.T_world_camera, T_world_camera);
   return step.dot(a.normal * step) <= kSamePlace_chi2;
 }

@@ -27,13 +27,13 @@ Choice coded_choice(const Scene& scene, std::size_t sighting) noexcept { return 
 
 /// Whether some hypothesis has two sightings, or one, in use.
 bool is_covered(const HypothesisList& list, std::size_t a, std::size_t b) noexcept {
-  return std::ranges::any_of(list,
-                             [&](const Hypothesis& h) { return h.choices[a].is_made() && h.choices[b].is_made(); });
+  return std::ranges::any_of(
+      list, [&](const WorldHypothesis& h) { return h.choices[a].is_made() && h.choices[b].is_made(); });
 }
 
 int most_used(const HypothesisList& list) noexcept {
   int most = 0;
-  for (const Hypothesis& hypothesis : list) most = std::max(most, hypothesis.used);
+  for (const WorldHypothesis& hypothesis : list) most = std::max(most, hypothesis.used);
   return most;
 }
 
@@ -56,7 +56,7 @@ bool start_near_priors(const Scene& scene, HypothesisList& list) noexcept {
 /// Settles all, and drops what is none.
 void settle_all(const Scene& scene, HypothesisList& list) noexcept {
   std::size_t kept = 0;
-  for (Hypothesis& hypothesis : list)
+  for (WorldHypothesis& hypothesis : list)
     if (settle(scene, hypothesis)) list[kept++] = hypothesis;
   list.truncate(kept);
 }
@@ -64,7 +64,7 @@ void settle_all(const Scene& scene, HypothesisList& list) noexcept {
 /// A landmark in dispute that is seen without any that could contradict it: odds that it is the one which was moved,
 /// against that it is not. Where nothing else is known, it is as likely as the other one. 0: it is in no dispute.
 double odds_of_dispute(const Scene& scene, const HypothesisList& list) noexcept {
-  const Hypothesis& best = list[0];
+  const WorldHypothesis& best = list[0];
   const auto known = [&](std::size_t i) { return scene.is_known(i); };
   if (best.used != 1 || std::ranges::count_if(scene.by_sureness(), known) != 1) return 0;
   const std::size_t lone = *std::ranges::find_if(scene.by_sureness(), known);
@@ -82,8 +82,8 @@ struct Odds {
 
 /// The likeliest first.
 Odds rank(const Scene& scene, HypothesisList& list) noexcept {
-  std::ranges::sort(list, {}, &Hypothesis::cost);
-  const Hypothesis& best = list[0];
+  std::ranges::sort(list, {}, &WorldHypothesis::cost);
+  const WorldHypothesis& best = list[0];
   double others = 0, astray = 0;
   for (std::size_t i = 1; i < list.size(); ++i)
     if (!is_same_place(best, list[i].T_world_camera)) others += std::exp((best.cost - list[i].cost) / 2);
@@ -109,7 +109,7 @@ SightingVerdict verdict_alone(const Scene& scene, std::size_t sighting) noexcept
 
 /// Seen where it hangs, but turned by eighths of its ring: small dots' colours were misread. A sheet whose colours are
 /// beyond doubt was hung up so.
-bool is_misread(const Scene& scene, std::size_t sighting, const Hypothesis& best) noexcept {
+bool is_misread(const Scene& scene, std::size_t sighting, const WorldHypothesis& best) noexcept {
   if (!scene.is_known(sighting) || scene.seen()[sighting].others_odds < kBeyondDoubt) return false;
   Choice turned = coded_choice(scene, sighting);
   for (turned.turn = 1; turned.turn < kRingDotCount; ++turned.turn)
@@ -117,7 +117,7 @@ bool is_misread(const Scene& scene, std::size_t sighting, const Hypothesis& best
   return false;
 }
 
-SightingVerdict verdict_in(const Scene& scene, std::size_t sighting, const Hypothesis& best) noexcept {
+SightingVerdict verdict_in(const Scene& scene, std::size_t sighting, const WorldHypothesis& best) noexcept {
   const Choice& choice = best.choices[sighting];
   if (choice.is_made()) return {SightingUse::kUsed, choice.landmark, choice.turn, best.against_rest_chi2[sighting]};
   Choice moved;
@@ -171,9 +171,9 @@ bool WorldSolver::add_anonymous(const Scene& scene) noexcept {
   // Colours say which sheet it is, and not that it hangs where it did.
   HypothesisList without_coded;
   is_complete &= start_without_coded(scene, sighted, without_coded);
-  for (const Hypothesis& hypothesis : without_coded) {
+  for (const WorldHypothesis& hypothesis : without_coded) {
     // Those that a coded one agrees with have come from that one.
-    const bool is_there = known > 0 && std::ranges::any_of(hypotheses_, [&](const Hypothesis& other) {
+    const bool is_there = known > 0 && std::ranges::any_of(hypotheses_, [&](const WorldHypothesis& other) {
                             return other.used >= hypothesis.used && is_same_place(other, hypothesis.T_world_camera);
                           });
     if (!is_there) is_complete &= hypotheses_.try_push_back(hypothesis);
@@ -231,7 +231,7 @@ WorldPose WorldSolver::answer(const Scene& scene, bool is_complete) noexcept {
   const Odds odds = rank(scene, hypotheses_);
   pose.ambiguity = is_complete ? odds.others : 1;
   pose.astray = odds.astray;
-  const Hypothesis& best = hypotheses_[0];
+  const WorldHypothesis& best = hypotheses_[0];
   pose.T_world_camera = best.T_world_camera;
   pose.covariance = best.normal.llt().solve(PoseInformation::Identity());
   pose.agrees_with_prior = best.agrees_with_prior;
@@ -249,11 +249,11 @@ WorldPose WorldSolver::answer(const Scene& scene, bool is_complete) noexcept {
 void WorldSolver::note_disputes(const Scene& scene) noexcept {
   if (most_used(hypotheses_) > 1) return;
   const auto is_misread_by = [&](std::size_t sighting, std::size_t other) {
-    return std::ranges::any_of(hypotheses_, [&](const Hypothesis& hypothesis) {
+    return std::ranges::any_of(hypotheses_, [&](const WorldHypothesis& hypothesis) {
       return hypothesis.choices[other].is_made() && is_misread(scene, sighting, hypothesis);
     });
   };
-  for (const Hypothesis& hypothesis : hypotheses_) {
+  for (const WorldHypothesis& hypothesis : hypotheses_) {
     const auto one = std::ranges::find_if(hypothesis.choices, &Choice::is_made);
     const auto sighting = static_cast<std::size_t>(one - hypothesis.choices.begin());
     if (!scene.is_known(sighting)) continue;

@@ -31,7 +31,7 @@ struct Look {
 
 /// What the pictures before and after say of how the landmarks moved goes into where they are, and how certain that is.
 std::vector<RecordedSightings> with_rows_settled(std::vector<Look> looks, const CameraModel& camera) {
-  std::vector<MovingSighting> all;
+  std::vector<RowedSighting> all;
   for (Look& look : looks)
     for (std::size_t i = 0; i < look.motions.size(); ++i) {
       const RowMotion& motion = look.motions[i];

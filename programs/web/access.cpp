@@ -29,13 +29,13 @@ std::string name_of_host(std::string_view host) {
   return std::string(host.substr(0, host.find(':')));
 }
 
-Refusal refusal_of_any_body(const RequestHead& head) {
+HttpRefusal refusal_of_any_body(const RequestHead& head) {
   if ((head.content_length.empty() || head.content_length == "0") && head.transfer_encoding.empty()) return {};
   return {413, "A request that looks has no body.\n"};
 }
 
 /// Its length must be told beforehand: what has none may have any.
-Refusal refusal_of_body(const RequestHead& head, std::size_t most_bytes) {
+HttpRefusal refusal_of_body(const RequestHead& head, std::size_t most_bytes) {
   if (head.content_length.empty() || !head.transfer_encoding.empty())
     return {411, "A request that changes something says how long it is.\n"};
   const char* const end = head.content_length.data() + head.content_length.size();
@@ -106,7 +106,7 @@ bool Access::is_our_host(std::string_view host) const {
          std::find(rules_.names.begin(), rules_.names.end(), name) != rules_.names.end();
 }
 
-Refusal Access::check_token(const RequestHead& head, MonoTime now) {
+HttpRefusal Access::check_token(const RequestHead& head, MonoTime now) {
   if (rules_.token.empty()) return {};
   if (gate_.is_closed_for(head.peer, now))
     return {429, "Too many wrong tokens from this address: wait a minute.\n", true};
@@ -117,8 +117,8 @@ Refusal Access::check_token(const RequestHead& head, MonoTime now) {
   return {401, "This is not the token of this page.\n"};
 }
 
-Refusal Access::check_origin(const RequestHead& head, bool changes) const {
-  const Refusal refusal{403, "Not for other pages.\n"};
+HttpRefusal Access::check_origin(const RequestHead& head, bool changes) const {
+  const HttpRefusal refusal{403, "Not for other pages.\n"};
   const std::string own_origin = fmt::format("{}://{}", rules_.tls ? "https" : "http", head.host);
   if ((changes || !head.origin.empty()) && head.origin != own_origin) return refusal;
   const bool is_own = head.fetch_site.empty() || head.fetch_site == "same-origin";
@@ -128,20 +128,20 @@ Refusal Access::check_origin(const RequestHead& head, bool changes) const {
   return {};
 }
 
-Refusal Access::refusal_of(const RequestHead& head, MonoTime now) {
+HttpRefusal Access::refusal_of(const RequestHead& head, MonoTime now) {
   const PostPath* const post = head.method == "POST" ? find_post_path(head.path) : nullptr;
   const bool is_post = post != nullptr;
   if (!is_post && head.method != "GET" && head.method != "HEAD")
     return {405, "Nothing can be changed here: only GET and HEAD are answered.\n"};
-  if (const Refusal refusal = is_post ? refusal_of_body(head, post->most_bytes) : refusal_of_any_body(head))
+  if (const HttpRefusal refusal = is_post ? refusal_of_body(head, post->most_bytes) : refusal_of_any_body(head))
     return refusal;
   if (!is_our_host(head.host))
     return {421, "This machine does not know itself by that name: add it to `names` of [web], or use its address.\n"};
-  if (const Refusal refusal = check_origin(head, is_post)) return refusal;
+  if (const HttpRefusal refusal = check_origin(head, is_post)) return refusal;
   if (is_post && post->changes && rules_.token.empty())
     return {403, "Without a token nothing can be changed: set `token_file` of [web].\n"};
   // What must be known to ask for the token is told without it.
-  return !head.path.starts_with("/api/") || head.path == "/api/session" ? Refusal{} : check_token(head, now);
+  return !head.path.starts_with("/api/") || head.path == "/api/session" ? HttpRefusal{} : check_token(head, now);
 }
 
 }  // namespace ninedot

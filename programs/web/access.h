@@ -18,7 +18,7 @@ struct RequestHead {
 };
 
 /// What is answered in the place of what was asked for.
-struct Refusal {
+struct HttpRefusal {
   unsigned status = 0;  ///< HTTP status; 0: none, go on
   const char* text = "";
   bool retry_later = false;  ///< with Retry-After
@@ -90,13 +90,13 @@ class Access {
   /// POST to one of kPostPaths changes something: a bounded body, this page's own origin, named as such by the browser,
   /// and the token, which no browser sends by itself; where there is none nothing is changed, on this machine neither.
   /// What changes nothing needs no more than the same origin, and the token where there is one.
-  Refusal refusal_of(const RequestHead& head, MonoTime now);
+  HttpRefusal refusal_of(const RequestHead& head, MonoTime now);
   const AccessRules& rules() const noexcept { return rules_; }
 
  private:
   bool is_our_host(std::string_view host) const;
-  Refusal check_origin(const RequestHead& head, bool changes) const;
-  Refusal check_token(const RequestHead& head, MonoTime now);
+  HttpRefusal check_origin(const RequestHead& head, bool changes) const;
+  HttpRefusal check_token(const RequestHead& head, MonoTime now);
 
   const AccessRules rules_;
   TokenGate gate_;

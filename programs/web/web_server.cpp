@@ -230,14 +230,14 @@ class WebServer::Daemon {
     if (*request != nullptr) return daemon.answer(connection, path, method);
     *request = &daemon;
     const RequestHead head = head_of(connection, path, method);
-    Refusal refusal = daemon.access_.refusal_of(head, mono_now());
+    HttpRefusal refusal = daemon.access_.refusal_of(head, mono_now());
     if (!refusal) refusal = daemon.make_room(connection, head);
     if (!refusal) return MHD_YES;
     return send_text(connection, refusal.status, refusal.text, kPlainText, refusal.retry_later);
   }
 
   /// For a body that is too long for its guest.
-  Refusal make_room(MHD_Connection* connection, const RequestHead& head) {
+  HttpRefusal make_room(MHD_Connection* connection, const RequestHead& head) {
     const PostPath* const post = head.method == "POST" ? find_post_path(head.path) : nullptr;
     if (post == nullptr || post->most_bytes <= kMostBody_bytes) return {};
     const std::lock_guard lock(mutex_);

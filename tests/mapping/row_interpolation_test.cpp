@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "base/units.h"
@@ -14,7 +16,6 @@
 namespace ninedot {
 namespace {
 
-using namespace std::chrono_literals;
 using test::Random;
 
 const CameraModel kCamera{};
@@ -37,7 +38,7 @@ Eigen::Vector2d ray_at(double time_s, std::size_t dot) {
 
 struct Swing {
   std::vector<LandmarkSighting> seen;
-  std::vector<MovingSighting> moving;
+  std::vector<RowedSighting> moving;
   double start_s = 0;
 
   double time_s(std::size_t picture) const { return start_s + kPeriod_s * static_cast<double>(picture); }
@@ -102,7 +103,7 @@ TEST(RowInterpolation, KnowsWhereALandmarkWasByThePicturesBeforeAndAfter) {
   const double before_px = rms_px(swung, 0, 30);
   ASSERT_GT(before_px, 0.25);
   interpolate_rows(swung.moving, kCamera);
-  EXPECT_LT(rms_px(swung, 0, 30), 1.25 * kDotSigma_px) << "the dots' own noise, and a hundredth of " << before_px;
+  EXPECT_LT(rms_px(swung, 0, 30), 1.25 * kDotSigma_px) << "hardly more than the dots' own noise, of " << before_px;
   EXPECT_LT(rms_px(swung, 0, 1), 1.5 * kDotSigma_px) << "the first has two after it";
 }
 
@@ -128,9 +129,9 @@ TEST(RowInterpolation, SaysHowCertainItIs) {
 TEST(RowInterpolation, TakesAStraightLineThroughTwoPictures) {
   Swing two = swing({2, 1, kRow_s, 0.4, false}), many = swing();
   const double before_px = rms_px(two, 0, 2);
-  std::vector<MovingSighting> all = many.moving;  // by which it knows how much a line leaves
+  std::vector<RowedSighting> all = many.moving;  // by which it knows how much a line leaves
   for (LandmarkSighting& seen : two.seen) seen.id = 4;
-  for (const MovingSighting& moving : two.moving) all.push_back(moving);
+  for (const RowedSighting& moving : two.moving) all.push_back(moving);
   interpolate_rows(all, kCamera);
   EXPECT_LT(rms_px(two, 0, 2), 0.25 * before_px);
   EXPECT_LT(all[30].per_row_rad, 0.1 * kAny_1_s * kRow_s);
@@ -145,7 +146,7 @@ TEST(RowInterpolation, LeavesWhatItKnowsNoBetter) {
     return rays;
   };
   Swing one = swing({1}), global = swing({20, 1, 0.0}), certain = swing({20});
-  for (MovingSighting& moving : certain.moving) moving.per_row_rad = 1e-12;
+  for (RowedSighting& moving : certain.moving) moving.per_row_rad = 1e-12;
   for (Swing* swung : {&one, &global, &certain}) {
     const auto before = rays_of(*swung);
     interpolate_rows(swung->moving, kCamera);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "geometry/transform.h"
@@ -125,21 +127,32 @@ TEST(OutlineColumns, ADotOnADiagonalSeesBothSidesOnceOneIsNearInThePicture) {
   EXPECT_EQ(sides(3.2, 1.05, 0.7, 2.1, kBeside), 1U);
 }
 
+/// A dot beside a side of the sheet, 4 m away, in a picture that is grey all over.
+struct DotBesideASide {
+  explicit DotBesideASide(double blur_px2) {
+    state.T_camera_landmark = sheet_from(4, 0);
+    state.blur_px2 = blur_px2;
+    const CameraModel camera;
+    const RayTable rays(camera);
+    const std::vector<std::uint8_t> grey(static_cast<std::size_t>(camera.width_px * camera.height_px), 128);
+    collect_outline_pixels({grey.data(), camera.width_px, camera.height_px, camera.width_px}, camera, rays, {},
+                           state.T_camera_landmark, 3, 1, {}, {}, pixels);
+    beside = std::ranges::find(std::as_const(pixels).groups.span(), 2, &OutlineGroup::dot);
+  }
+  std::vector<double> shares(std::size_t column) const { return shares_of(pixels, *beside, state, column); }
+
+  OutlineState state;
+  OutlinePixels pixels{12000};
+  std::span<const OutlineGroup>::iterator beside;
+};
+
 // A tone curve moves edges into the dark: dots' outlines inwards, the sheet's sides outwards.
 TEST(OutlineColumns, TheSheetsSidesAreFurtherOutWhereTheToneHasDotsSmaller) {
-  const CameraModel camera;
-  const RayTable rays(camera);
-  const std::vector<std::uint8_t> grey(static_cast<std::size_t>(camera.width_px * camera.height_px), 128);
-  OutlineState state;
-  state.T_camera_landmark = sheet_from(4, 0);
-  OutlinePixels pixels(12000);
-  collect_outline_pixels({grey.data(), camera.width_px, camera.height_px, camera.width_px}, camera, rays, {},
-                         state.T_camera_landmark, 3, 1, {}, {}, pixels);
-  const auto beside = std::ranges::find(pixels.groups.span(), 2, &OutlineGroup::dot);
-  ASSERT_TRUE(beside->at_paper_edge);
+  DotBesideASide dot(OutlineState{}.blur_px2);
+  ASSERT_TRUE(dot.beside->at_paper_edge);
   const auto beyond_px = [&](double offset_px) {
-    state.offset_px = offset_px;
-    const std::vector<double> shares = shares_of(pixels, *beside, state, kBeyondColumn);
+    dot.state.offset_px = offset_px;
+    const std::vector<double> shares = dot.shares(kBeyondColumn);
     return std::accumulate(shares.begin(), shares.end(), 0.0);
   };
   const double without_px = beyond_px(0), with_px = beyond_px(-0.4);
@@ -147,40 +160,33 @@ TEST(OutlineColumns, TheSheetsSidesAreFurtherOutWhereTheToneHasDotsSmaller) {
   EXPECT_LT(with_px, without_px - 0.3);
   EXPECT_GT(with_px, without_px - 0.6);
   EXPECT_EQ(beyond_px(0.4), without_px) << "no curve moves ink outwards";
-  pixels.has_tone = true;
+  dot.pixels.has_pattern = true;
+  EXPECT_NEAR((without_px - beyond_px(-0.4)) / (without_px - with_px), 0.29 / 0.25, 0.02)
+      << "what ink does beside the wall is not in it";
+  dot.pixels.has_pattern = false;
+  dot.pixels.has_tone = true;
   EXPECT_EQ(beyond_px(-0.4), without_px) << "the tone's own column has it";
 }
 
 // Ink and wall in one pixel: an sRGB curve takes more off its grey level than off those of either alone. Of a camera
 // without a pattern a wide blur's curve has a column of its own, and a narrow blur reaches no two of them.
 TEST(OutlineColumns, InkIsDarkerWhereAPixelSeesTheWallAsWell) {
-  const CameraModel camera;
-  const RayTable rays(camera);
-  const std::vector<std::uint8_t> grey(static_cast<std::size_t>(camera.width_px * camera.height_px), 128);
-  OutlineState state;
-  state.T_camera_landmark = sheet_from(4, 0);
-  state.blur_px2 = 1;
-  const auto added_px = [&](double offset_px, bool has_pattern, OutlinePixels& pixels) {
-    ImageView picture{grey.data(), camera.width_px, camera.height_px, camera.width_px};
-    picture.has_pattern = has_pattern;
-    collect_outline_pixels(picture, camera, rays, {}, state.T_camera_landmark, 3, 1, {}, {}, pixels);
-    const auto beside = std::ranges::find(pixels.groups.span(), 2, &OutlineGroup::dot);
-    state.offset_px = offset_px;
-    const std::vector<double> ink = shares_of(pixels, *beside, state, kInkColumn);
-    const std::vector<double> beyond = shares_of(pixels, *beside, state, kBeyondColumn);
-    pixels.has_pattern = false;
-    const std::vector<double> alone = shares_of(pixels, *beside, state, kInkColumn);
+  DotBesideASide dot(1);
+  const auto added_share = [&](double offset_px) {
+    dot.state.offset_px = offset_px;
+    dot.pixels.has_pattern = true;
+    const std::vector<double> ink = dot.shares(kInkColumn), beyond = dot.shares(kBeyondColumn);
+    dot.pixels.has_pattern = false;
+    const std::vector<double> alone = dot.shares(kInkColumn);
     double added = 0, seen_with_wall = 0;
     for (std::size_t i = 0; i < ink.size(); ++i) added += ink[i] - alone[i], seen_with_wall += alone[i] * beyond[i];
     EXPECT_GT(seen_with_wall, 0.01);
     return added / seen_with_wall;
   };
-  OutlinePixels pixels(12000);
-  EXPECT_NEAR(added_px(-0.43, true, pixels), 0.22, 0.01);
-  EXPECT_NEAR(added_px(-0.215, true, pixels), 0.11, 0.01) << "half of a curve";
-  EXPECT_NEAR(added_px(-0.7, true, pixels), 0.22, 0.01) << "no more than the curve";
-  EXPECT_EQ(added_px(0.4, true, pixels), 0) << "no curve moves ink outwards";
-  EXPECT_EQ(added_px(-0.43, false, pixels), 0);
+  EXPECT_NEAR(added_share(-0.43), 0.22, 0.01);
+  EXPECT_NEAR(added_share(-0.215), 0.11, 0.01) << "half of a curve";
+  EXPECT_NEAR(added_share(-0.7), 0.22, 0.01) << "no more than the curve";
+  EXPECT_EQ(added_share(0.4), 0) << "no curve moves ink outwards";
 }
 
 }  // namespace

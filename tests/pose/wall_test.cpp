@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "pose/outline_refiner.h"
 #include "pose/pose_of_outlines.h"
 #include "tests/pose/first_fit.h"
 
