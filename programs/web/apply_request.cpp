@@ -147,8 +147,6 @@ void ApplyRequest::hand_over(const std::string& verb, const std::string& text) {
   }
   const std::lock_guard lock(mutex_);
   socket_ = -1;
-  changed_at_ = mono_now();
-  has_new_file_ = end_ == ApplyEnd::kUp;
   if (end_ != ApplyEnd::kRunning) return;
   end_ = ApplyEnd::kFailed;
   lines_.push_back(error != 0
@@ -168,6 +166,10 @@ void ApplyRequest::hear(std::string_view line) {
   phase_ = line.substr(0, colon);
   for (const auto& [word, end] : kEnds)
     if (phase_ == word) end_ = end;
+  if (phase_ == word_of(ApplyEnd::kUp)) {
+    has_new_file_ = true;  // in one step with the end: whoever reads that, and asks, is not told otherwise
+    changed_at_ = mono_now();
+  }
   if (lines_.size() < kMostLines) lines_.emplace_back(line);
 }
 

@@ -14,7 +14,7 @@
 
 namespace ninedot::test {
 
-/// The other end of the socket: hears one request, says what it is told to say, and closes.
+/// The other end of the socket: hears one request, says what it is told to say, and hangs up when it is told to.
 class Applier {
  public:
   Applier(const std::string& path, std::string answer)
@@ -27,14 +27,14 @@ class Applier {
   }
   void serve(std::size_t request_bytes) {
     thread_ = std::thread([this, request_bytes] {
-      const FileDescriptor connection(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
+      connection_ = FileDescriptor(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
       std::array<char, 4096> part{};
       while (heard_.size() < request_bytes) {
-        const ssize_t count = ::read(connection.get(), part.data(), part.size());
+        const ssize_t count = ::read(connection_.get(), part.data(), part.size());
         if (count <= 0) break;
         heard_.append(part.data(), static_cast<std::size_t>(count));
       }
-      EXPECT_EQ(::send(connection.get(), answer_.data(), answer_.size(), MSG_NOSIGNAL),
+      EXPECT_EQ(::send(connection_.get(), answer_.data(), answer_.size(), MSG_NOSIGNAL),
                 static_cast<ssize_t>(answer_.size()));
     });
   }
@@ -42,9 +42,10 @@ class Applier {
     thread_.join();
     return heard_;
   }
+  void hang_up() { connection_ = FileDescriptor(); }
 
  private:
-  FileDescriptor listener_;
+  FileDescriptor listener_, connection_;
   std::string answer_, heard_;
   std::thread thread_;
 };
