@@ -12,6 +12,7 @@ struct SheetMotion {
   Eigen::Vector3d translation_m_s{0, 0, 0};  ///< camera frame
   double row_time_s = 0;                     ///< from one row to the next below; 0: all at once
   double middle_row_px = 0;                  ///< the row that the pose is of
+  double exposure_s = 0;                     ///< how long each row is exposed; 0: unknown, or it does not matter
 
   /// When a row is exposed, after the middle one. \param row_px  its number
   double since_s(double row_px) const noexcept { return (row_px - middle_row_px) * row_time_s; }

@@ -31,11 +31,12 @@ LandmarkSeeker::LandmarkSeeker(const CameraModel& camera, const SeekerOptions& o
       full_(camera, options.landmark, full_options(options)),
       ellipse_(camera, options.landmark, options.ellipse) {}
 
-void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget, const RowTime& rows,
+void LandmarkSeeker::begin(const Frame& frame, const WorkBudget& budget, const RowTime& rows, double exposure_s,
                            const std::optional<CameraTwist>& twist) noexcept {
   frame_at_ = frame.exposed_at();
   unrest_.begin(frame_at_);
   rows_ = rows;
+  exposure_s_ = exposure_s;
   twist_ = twist;
   noise_ = PictureNoise(frame.luma);
   luma_ = frame.luma;
@@ -60,7 +61,7 @@ FailedSearch LandmarkSeeker::failed_search() const noexcept {
 /// What two frames tell of a landmark that nothing more is known of. \param t_camera_m  where it is seen in this one
 std::optional<SheetMotion> LandmarkSeeker::first_motion(const Track& track,
                                                         const Eigen::Vector3d& t_camera_m) const noexcept {
-  if (!rows_differ() || twist_ || track.motion_at(frame_at_)) return std::nullopt;
+  if (!(rows_differ() || exposure_s_ > 0) || twist_ || track.motion_at(frame_at_)) return std::nullopt;
   return track.motion_across(t_camera_m.hnormalized(), frame_at_);
 }
 
@@ -71,15 +72,16 @@ LandmarkSeeker::KnownMotion LandmarkSeeker::motion_of(const Track& track, const 
   const auto own = track.motion_at(frame_at_);
   const auto across = is_seen_there ? first_motion(track, t_camera_m) : std::nullopt;
   KnownMotion motion;
-  motion.sheet = with_rows(own ? *own : twist_ ? twist_->of_sheet_at(t_camera_m) : across.value_or(SheetMotion{}));
+  motion.sheet = with_shutter(own ? *own : twist_ ? twist_->of_sheet_at(t_camera_m) : across.value_or(SheetMotion{}));
   // A track that foretells the motion, or has seen it come here, will have measured it afterwards.
   motion.rate_sigma_rad_s =
       !own && twist_ ? std::hypot(twist_->rate_sigma_rad_s, unrest_.unexpected_rad_s()) : unrest_.speed_rad_s();
   return motion;
 }
 
-SheetMotion LandmarkSeeker::with_rows(SheetMotion motion) const noexcept {
+SheetMotion LandmarkSeeker::with_shutter(SheetMotion motion) const noexcept {
   motion.row_time_s = rows_.mean_s;
+  motion.exposure_s = exposure_s_;
   motion.middle_row_px = 0.5 * (camera_.height_px - 1);
   return motion;
 }
@@ -102,7 +104,7 @@ Result<std::size_t> LandmarkSeeker::take(const KnownMotion& taken, Track& track)
                  measured->gain ? measured->gain->acceleration_1_s2.norm() : 0);
     if (const double sigma_rad_s = rate_sigma(*measured); sigma_rad_s < taken.rate_sigma_rad_s) {
       // How a sheet turns one landmark tells poorly: that stays.
-      known.sheet = with_rows({taken.sheet.rotation_rad_s, measured->sheet.translation_m_s});
+      known.sheet = with_shutter({taken.sheet.rotation_rad_s, measured->sheet.translation_m_s});
       known.rate_sigma_rad_s = sigma_rad_s;
       for (PoseCandidate& candidate : candidates_.list)
         retake_rows(candidate, taken.sheet, known.sheet, options_.landmark, camera_);

@@ -36,8 +36,9 @@ class LandmarkSeeker {
 
   /// A new picture. \param budget  what it may cost
   /// \param rows  of the camera's shutter
+  /// \param exposure_s  of each row; 0: unknown
   /// \param twist  how the camera moves, where that is known; none: a landmark's own track tells it
-  void begin(const Frame& frame, const WorkBudget& budget, const RowTime& rows,
+  void begin(const Frame& frame, const WorkBudget& budget, const RowTime& rows, double exposure_s = 0,
              const std::optional<CameraTwist>& twist = {}) noexcept;
 
   // What a way to the pose has found, chosen and judged to fit the picture, goes into the track and `candidates`.
@@ -95,7 +96,7 @@ class LandmarkSeeker {
   RowUncertainty uncertainty(const KnownMotion& motion, const Eigen::Vector3d& t_camera_m) const noexcept;
   std::optional<SheetMotion> first_motion(const Track& track, const Eigen::Vector3d& t_camera_m) const noexcept;
   KnownMotion motion_of(const Track& track, const Eigen::Vector3d& t_camera_m, bool is_seen_there) const noexcept;
-  SheetMotion with_rows(SheetMotion motion) const noexcept;
+  SheetMotion with_shutter(SheetMotion motion) const noexcept;
   double rate_sigma(const MeasuredMotion& measured) const noexcept;
   Result<std::size_t> take(const KnownMotion& taken, Track& track) noexcept;
 
@@ -107,6 +108,7 @@ class LandmarkSeeker {
   // Of the frame under way.
   MonoTime frame_at_{};
   RowTime rows_;
+  double exposure_s_ = 0;
   std::optional<CameraTwist> twist_;
   CameraUnrest unrest_;
   PictureNoise noise_;

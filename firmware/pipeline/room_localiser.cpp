@@ -76,7 +76,8 @@ RoomLocaliser::RoomLocaliser(const CameraModel& camera, const LocaliserOptions& 
             options.new_lenses),
       room_(std::make_unique<RoomMap>(options.seeker.landmark, options.map, options.trust.max_ambiguity)),
       track_(options.filter),
-      row_time_(options.row_time, camera.height_px, RowTimeBelief::Untold::kIsOpen) {}
+      row_time_(options.row_time, camera.height_px, RowTimeBelief::Untold::kIsOpen),
+      smeared_(camera) {}
 
 /// A map that has come takes the place of the one before. Rings in view stay followed, and who they are stays known
 /// where both maps have the sheet; the track begins anew where its landmarks hang elsewhere.
@@ -140,7 +141,7 @@ void RoomLocaliser::take_found(InView& landmark, std::size_t chosen) const noexc
 
 /// Those that were in view in the frame before.
 void RoomLocaliser::follow(const Frame& frame) noexcept {
-  const auto twist = twist_at(frame.exposed_at());
+  const auto& twist = smeared_.twist();
   lost_.clear();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
@@ -244,6 +245,10 @@ void RoomLocaliser::look_everywhere(const Frame& frame) noexcept {
       if (in_view_at(seen.H_ray_plane) == nullptr && !go_on_elsewhere(seen)) (void)begin_to_follow(seen);
   };
   if (const auto found = lens_->seeker.detector().find_all_landmarks(frame.luma, lens_->seeker.budget())) begin(*found);
+  if (smeared_.is_smeared()) {
+    const ImageView luma = smeared_.unblurred(frame.luma, lens_->seeker.camera());
+    if (const auto found = lens_->seeker.detector().find_all_landmarks(luma, lens_->seeker.budget())) begin(*found);
+  }
   if (!in_view_.empty()) return;
   // The search for one looks closer, and begins with the ring where P9 is spoiled.
   if (const auto found = lens_->seeker.detector().find_landmarks(frame.luma, lens_->seeker.budget())) begin(*found);
@@ -378,7 +383,8 @@ const Fix& RoomLocaliser::process(const Frame& frame) noexcept {
 /// The whole path of a frame whose lens is there.
 void RoomLocaliser::look_at(const Frame& frame) noexcept {
   fix_.row_time = row_time_.begin(frame);
-  lens_->seeker.begin(frame, kRoomBudget, fix_.row_time, twist_at(frame.exposed_at()));
+  smeared_.begin(frame, lens_->seeker.camera(), twist_at(frame.exposed_at()));
+  lens_->seeker.begin(frame, kRoomBudget, fix_.row_time, smeared_.exposure_s(), smeared_.twist());
 
   if (options_.tracking) {
     follow(frame);
@@ -394,6 +400,10 @@ void RoomLocaliser::look_at(const Frame& frame) noexcept {
     look_everywhere(frame);
     identify(frame);
   }
+  for (const InView& landmark : in_view_)
+    if (landmark.identity)
+      smeared_.note(landmark.row_motion.sheet, landmark.candidates.list[landmark.chosen].outlines,
+                    lens_->seeker.camera());
   const WorldVerdict verdict = place_in_world(frame);
   // What else comes into view tells where the camera is, or tells it better.
   if (verdict != WorldVerdict::kValid && verdict != WorldVerdict::kNothingSeen)

@@ -7,6 +7,7 @@
 
 #include "pipeline/localiser.h"
 #include "pipeline/room_map.h"
+#include "pipeline/smeared_view.h"
 #include "track/world_track.h"
 
 namespace ninedot {
@@ -83,6 +84,7 @@ class RoomLocaliser final : public FrameProcessor {
   PoseInformation calibration_share_ = PoseInformation::Zero();  // of the newest place in the world
   InlineVector<InView, kMaxLandmarksInView> in_view_;
   InlineVector<InView, kMaxLandmarksInView> lost_;  ///< in view in the frame before, and not where they should be
+  SmearedView smeared_;
   int frames_since_search_ = 0;
   std::uint32_t frames_cut_ = 0;
   bool has_search_failed_ = false;  ///< in the last frame

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "base/vector_clones.h"
@@ -13,7 +14,8 @@ namespace ninedot {
 namespace {
 
 // Sigmas of the blur from node to node: the trapezoidal rule leaves 2e-4 of the contrast (blurred_disc_test.cpp).
-constexpr double kSpacing = 1.3;
+// What is laid over itself along a smear needs no more than two.
+constexpr double kSpacing = 1.3, kSmearedSpacing = 2;
 constexpr std::size_t kLeastNodes = 6;
 // More than these cost more than a profile across the outline. Where the tone curve is fitted they are worth it: what a
 // profile is off by looks like a curve, and steps go to and fro. Without the curve they are worth nothing, for its bend
@@ -22,13 +24,14 @@ constexpr std::size_t kUsualNodes = 13;
 constexpr double kLeastPart = 0.1;  // of an outline's length: what no offset takes away
 // Below a pixel's own 1/12 and a bit, an edge is no Gaussian's (outline_columns.cpp has the same).
 constexpr double kLeastVariance_px2 = 0.1;
+constexpr float kSeenSigmas = 3.5F;  // beyond the outline: 2e-4 of its ink
 constexpr float kNotAtNode = 1e-4F;  // keeps (1 - exp(-t)) / t finite and exact to a float at a node itself
 
 /// From pixels to sigmas of the blur: the inverse of its covariance's Cholesky factor.
-Eigen::Matrix2d sigma_per_px(const OutlineState& state) noexcept {
-  const double xx = std::max(state.blur_px2 + state.blur_cos_px2, kLeastVariance_px2), xy = state.blur_sin_px2;
+Eigen::Matrix2d sigma_per_px(const Smear& smear) noexcept {
+  const double xx = std::max(smear.blur_px2 + smear.cos_px2, kLeastVariance_px2), xy = smear.sin_px2;
   const double x = std::sqrt(xx), yx = xy / x;
-  const double y = std::sqrt(std::max(state.blur_px2 - state.blur_cos_px2 - yx * yx, kLeastVariance_px2));
+  const double y = std::sqrt(std::max(smear.blur_px2 - smear.cos_px2 - yx * yx, kLeastVariance_px2));
   Eigen::Matrix2d W;
   W << 1 / x, 0, -yx / (x * y), 1 / y;
   return W;
@@ -46,7 +49,8 @@ BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& la
   middle_ray_ = middle_m.hnormalized().cast<float>();
   const Eigen::Vector2d middle = middle_ray_.cast<double>();  // the nodes are beside it as it is rounded
   const Eigen::Matrix2d px_per_ray = pixels.normalised_per_px[dot].inverse();
-  const Eigen::Matrix2d W = sigma_per_px(state);
+  const Smear smear(state);
+  const Eigen::Matrix2d W = sigma_per_px(smear);
   // How a ray moves when the sheet's point does.
   const auto ray_by = [](const Eigen::Vector3d& p_m, const Eigen::Vector3d& move) -> Eigen::Vector2d {
     return (move.head<2>() - p_m.hnormalized() * move.z()) / p_m.z();
@@ -56,15 +60,17 @@ BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& la
   const double semi_major = std::sqrt(
       0.5 * (circle.squaredNorm() +
              std::sqrt(std::max(std::pow(circle.squaredNorm(), 2) - 4 * std::pow(circle.determinant(), 2), 0.0))));
-  const double wanted = 2 * std::numbers::pi * semi_major / kSpacing;
-  if (!(wanted <= static_cast<double>(pixels.has_tone ? kMaxNodes : kUsualNodes))) return;
+  const double wanted = 2 * std::numbers::pi * semi_major / (smear.parts > 1 ? kSmearedSpacing : kSpacing);
+  const std::size_t most = smear.parts > 1 ? kSmearedNodes : pixels.has_tone ? kMostNodes : kUsualNodes;
+  if (!(wanted <= static_cast<double>(most))) return;
   count_ = std::max(kLeastNodes, static_cast<std::size_t>(std::ceil(wanted)));
   sigma_per_ray_ = (W * px_per_ray).cast<float>();
 
   const double step = 2 * std::numbers::pi / static_cast<double>(count_);
   const double area_px2 = std::abs(circle.determinant() / W.determinant());  // over pi: curvature times speed^3
   const double turns = circle.determinant() > 0 ? 1 : -1;  // which way round the angle goes in the picture
-  const double per_area = W.determinant() / (2 * std::numbers::pi);
+  const double share = 1 / static_cast<double>(smear.parts);
+  const double per_area = share * W.determinant() / (2 * std::numbers::pi);
   const Eigen::Rotation2Dd on(step);
   Eigen::Vector2d angle(1, 0);  // its cosine and sine
   for (std::size_t i = 0; i < count_; ++i, angle = on * angle) {
@@ -80,8 +86,8 @@ BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& la
     const Eigen::Vector2d at_px = px_per_ray * (p_m.hnormalized() - middle) + state.offset_px * outwards_px;
     const Eigen::Vector2d at = W * at_px, part = W * along_px;
     node.x = static_cast<float>(at.x()), node.y = static_cast<float>(at.y());
-    node.part_x = static_cast<float>(part.x() / (4 * std::numbers::pi));
-    node.part_y = static_cast<float>(part.y() / (4 * std::numbers::pi));
+    node.part_x = static_cast<float>(share * part.x() / (4 * std::numbers::pi));
+    node.part_y = static_cast<float>(share * part.y() / (4 * std::numbers::pi));
     if (asked == Asked::kLightOnly) continue;
 
     const Eigen::Vector2d across_px(along_px.y(), -along_px.x());  // outwards, as long as the part
@@ -110,6 +116,37 @@ BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& la
       node.blur_y[k] = static_cast<float>(0.5 * per_area * blur[k].y());
     }
   }
+  smear_nodes(smear.parts, (W * smear.line_px / static_cast<double>(smear.parts)).cast<float>());
+}
+
+/// The outline once for each part of a smear.
+void BlurredDisc::smear_nodes(std::size_t parts, const Eigen::Vector2f& from_part_to_part) noexcept {
+  const std::size_t of_one = count_;
+  for (std::size_t part = parts; part-- > 0;) {  // the first one, which the others are copied from, at last
+    const Eigen::Vector2f by = (static_cast<float>(part) - 0.5F * static_cast<float>(parts - 1)) * from_part_to_part;
+    for (std::size_t i = 0; i < of_one; ++i) {
+      Node& node = nodes_[part * of_one + i];
+      node = nodes_[i];
+      node.x += by.x(), node.y += by.y();
+    }
+  }
+  count_ = parts * of_one;
+  reach_.setZero();
+  for (std::size_t i = 0; i < count_; ++i)
+    reach_ = reach_.cwiseMax(Eigen::Vector2f(std::abs(nodes_[i].x), std::abs(nodes_[i].y)));
+}
+
+bool BlurredDisc::reaches_any(const Lanes& ray_x, const Lanes& ray_y) const noexcept {
+  const float xx = sigma_per_ray_(0, 0), xy = sigma_per_ray_(0, 1), yx = sigma_per_ray_(1, 0),
+              yy = sigma_per_ray_(1, 1), middle_x = middle_ray_.x(), middle_y = middle_ray_.y();
+  const float most_x = reach_.x() + kSeenSigmas, most_y = reach_.y() + kSeenSigmas;
+  std::int32_t reached = 0;  // all lanes at once, without a branch
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const float rx = ray_x[l] - middle_x, ry = ray_y[l] - middle_y;
+    const float x = xx * rx + xy * ry, y = yx * rx + yy * ry;
+    reached |= static_cast<std::int32_t>(x * x < most_x * most_x) & static_cast<std::int32_t>(y * y < most_y * most_y);
+  }
+  return reached != 0;
 }
 
 template <bool kWithShare, bool kWithMoves, bool kWithBlur>

@@ -10,11 +10,15 @@
 /// and periodic, so that a few nodes do (Trefethen & Weideman, "The exponentially convergent trapezoidal rule", SIAM
 /// Review 56, 2014).
 ///
+/// Motion draws a line of each point, which is no Gaussian: the outline's nodes are there once for each part of the
+/// smear (Smear).
+///
 /// The outlines' common offset moves the nodes and leaves their parts as long as they are: by what a disc has shrunk,
 /// its ink is more than whole inside. Contrast is each group's own and takes that out again; a dot's contrast stays
 /// what a tone curve, which makes the offset, has left of it. Where the curve is fitted (OutlinePixels::has_tone) the
 /// offset is ink that has spread: parts grow with the outline, and no share is above one.
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -45,6 +49,9 @@ class BlurredDisc {
   /// It is small enough beside its blur to be taken as a whole; else nothing else of it is valid.
   bool is_small() const noexcept { return count_ > 0; }
 
+  /// Whether any of these pixels may see its ink. \param ray_x  of the pixels, at z = 1 [1] \param ray_y  likewise [1]
+  bool reaches_any(const Lanes& ray_x, const Lanes& ray_y) const noexcept;
+
   /// \param ray_x  of the pixels, at z = 1 [1] \param ray_y  likewise [1] \param share  of each pixel that is ink, 0..1
   /// [1]
   void ink_share(const Lanes& ray_x, const Lanes& ray_y, Lanes& share) const noexcept;
@@ -61,7 +68,8 @@ class BlurredDisc {
   void ink_by_blur(const Lanes& ray_x, const Lanes& ray_y, std::array<Lanes, kBlurColumns>& by_blur) const noexcept;
 
  private:
-  static constexpr std::size_t kMaxNodes = 26;
+  static constexpr std::size_t kMostNodes = 26;     ///< of an outline
+  static constexpr std::size_t kSmearedNodes = 16;  ///< of one that is there once for each part of a smear
   /// A point of the outline, with the part of it for which it stands.
   struct Node {
     float x, y;                             ///< [sigma]
@@ -73,10 +81,13 @@ class BlurredDisc {
   void sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes* share, std::array<Lanes, kMoveColumns>* by_moves,
               std::array<Lanes, kBlurColumns>* by_blur) const noexcept;
 
+  void smear_nodes(std::size_t parts, const Eigen::Vector2f& from_part_to_part) noexcept;
+
   std::size_t count_ = 0;
   Eigen::Vector2f middle_ray_;     ///< of the dot
   Eigen::Matrix2f sigma_per_ray_;  ///< what a ray beside that one is in sigmas of the blur
-  std::array<Node, kMaxNodes> nodes_;
+  Eigen::Vector2f reach_;          ///< of its nodes from the middle, along either axis [sigma]
+  std::array<Node, std::max(kMostNodes, kSmearedNodes* Smear::kMostParts)> nodes_;
 };
 
 }  // namespace ninedot

@@ -60,6 +60,18 @@ bool is_better(const std::optional<PoseCandidate>& mirror) noexcept {
   return mirror && mirror->refined && mirror->chi2_above < 0;
 }
 
+/// The outlines as they were, as they are where the sheet moves so.
+OutlineState start_of(OutlineState before, const CameraFromLandmark& T_camera_landmark, const SheetMotion& motion,
+                      double focal_px) noexcept {
+  UnknownVector step = UnknownVector::Zero();
+  step.segment<3>(kPoseUnknowns + 1) -= smear_px2(before, focal_px);
+  before.T_camera_landmark = T_camera_landmark;
+  before.motion = motion;
+  step.segment<3>(kPoseUnknowns + 1) += smear_px2(before, focal_px);
+  before.apply(step);
+  return before;
+}
+
 /// The better one first, with how much worse the other one fits. \return  the mirror image is the better one
 bool list_by_fit(PoseCandidate best, std::optional<PoseCandidate> mirror, PoseCandidates& candidates) noexcept {
   const bool mirror_is_better = is_better(mirror);
@@ -194,9 +206,8 @@ bool FullSolver::Workspace::refine_first(const ImageView& luma, const LandmarkOb
                                          const PosePrior* prior, double warp_px, int& pixels,
                                          const SheetMotion& motion) noexcept {
   using Start = OutlineRefiner::Start;
-  OutlineState start = prior != nullptr ? prior->outlines : OutlineState{};
-  start.T_camera_landmark = starts.side[0];
-  start.motion = motion;
+  OutlineState start =
+      start_of(prior != nullptr ? prior->outlines : OutlineState{}, starts.side[0], motion, camera.fx_px);
   const bool close =
       prior != nullptr && seen.seen_count >= static_cast<int>(kLeastCentroids) && starts.rms_px < kCloseStart_px;
   if (first->refine(luma, start, close ? Start::kClose : Start::kRough, warp_px, pixels).has_converged()) return true;
@@ -379,9 +390,7 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
 Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const PoseExpectation& expected,
                                           const PosePrior& prior, int& pixels, const SheetMotion& motion) noexcept {
   Workspace& w = *workspace_;
-  OutlineState start = prior.outlines;
-  start.T_camera_landmark = expected.T_camera_landmark;
-  start.motion = motion;
+  const OutlineState start = start_of(prior.outlines, expected.T_camera_landmark, motion, w.camera.fx_px);
   const auto lost = fail(Errc::kNoLandmark, "the landmark is not where it was expected");
   if (!w.first->refine(luma, start, OutlineRefiner::Start::kExpected, prior.warp_px, pixels).has_converged() ||
       w.first->shadowed_dots() > kMostShadowed)
@@ -405,9 +414,7 @@ Result<PoseCandidates> FullSolver::follow(const ImageView& luma, const PoseExpec
 Result<PoseCandidate> FullSolver::examine(const ImageView& luma, const CameraFromLandmark& T_camera_landmark,
                                           int& pixels, const SheetMotion& motion) noexcept {
   OutlineRefiner& refiner = *workspace_->first;
-  OutlineState start;
-  start.T_camera_landmark = T_camera_landmark;
-  start.motion = motion;
+  const OutlineState start = start_of({}, T_camera_landmark, motion, workspace_->camera.fx_px);
   if (!refiner.refine(luma, start, OutlineRefiner::Start::kRough, 0, pixels).has_converged())
     return fail(Errc::kPoseDegenerate, "the visible outlines do not determine a pose");
   PoseCandidate candidate = candidate_of(refiner, workspace_->camera, workspace_->landmark);

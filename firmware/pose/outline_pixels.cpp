@@ -157,7 +157,13 @@ struct SectoredBand {
 }  // namespace
 
 OutlinePixels::OutlinePixels(std::size_t capacity)
-    : x_px(capacity), y_px(capacity), ray_x(capacity), ray_y(capacity), luma(capacity), candidates(capacity) {}
+    : x_px(capacity),
+      y_px(capacity),
+      ray_x(capacity),
+      ray_y(capacity),
+      luma(capacity),
+      candidates(capacity),
+      ink_of_others_lsb(capacity) {}
 
 namespace {
 

@@ -70,6 +70,10 @@ struct OutlinePixels {
   /// What lies beyond the sheet may change along its side: another unknown of each small dot beside one. It takes out
   /// what many pictures of the same sheet have in common; a single one tells less by a few per cent.
   bool regards_walls = false;
+  /// Motion smears small dots into each other (smeared_ink.h): what the others of them take off each pixel's grey level
+  /// is to be put back. [LSB]
+  bool are_smeared = false;
+  std::vector<float> ink_of_others_lsb;
   int visible_outlines = 0;  ///< dots of which at least a part lies inside the picture
 };
 

@@ -70,6 +70,7 @@ constexpr double kCalm_px = 0.03;
 constexpr double kHeldSigma = 1e-3, kFreeSigma = 1e3;  // of offset [px] and blur [px^2] in one step
 constexpr double kOffsetSigma_px = 0.35;               // prior: an sRGB curve moves edges by 0.3 px (METHOD, section 3)
 constexpr double kHarmonicSigma_px2 = 0.6;             // prior of the blur's direction: of the mean blur's size
+constexpr double kSmearShare = 0.5;  // of the smear that is foretold: with a motion that is known to a quarter
 // Prior of the tone: between a linear picture and one with an sRGB curve, once the blur is wider than kNoTone_px2; from
 // kAllTone_px2 on as wide as that. Of a sharper picture it would be the offset once more, and take from the pose what
 // tells them apart.
@@ -82,6 +83,7 @@ constexpr double kDotGainSigma_px = 0.1;
 constexpr double kToneBlur = 0.19;
 // Until the first fit: of ink and paper in usual light. [LSB]
 constexpr double kUsualPaper_lsb = 190, kUsualContrast_lsb = 145;
+constexpr double kMostContrast_lsb = 255;                      // a fit of what is no dot asks for any
 constexpr double kMeanBlur_px2 = 0.7, kMeanBlurSigma_px2 = 3;  // prior: 0.84 px, small sensors; up to 2.5 px at 2 sigma
 
 double band_of(const OutlineState& state) noexcept {
@@ -113,6 +115,7 @@ const OptimiserStatistics& OutlineRefiner::refine(const ImageView& luma, const O
   warp_px_ = warp_px;
   hopeless_lsb_ = hopeless_lsb;
   cuts_.fill(Cut::kBySize);
+  contrasts_lsb_.fill(0);
   pixels_.light_edges.fill(std::nullopt);
   tone_share_ = light == Light::kFull ? tone_share() : 0;
   pixels_.has_tone = tone_share_ > 0;
@@ -151,7 +154,7 @@ void OutlineRefiner::guess_tone() noexcept {
 }
 
 bool OutlineRefiner::look_again_if_stale(int stage) noexcept {
-  const double band_px = stage == kRoughStage ? kRoughBand_px : band_of(state_);
+  const double band_px = stage == kRoughStage ? std::max(kRoughBand_px, band_of(state_)) : band_of(state_);
   const bool stale = look_.thinned || look_.split_since || look_.moved_px > kMovedAway_px ||
                      std::abs(band_px - look_.band_px) > kMovedAway_px;
   if (!stale) return true;
@@ -178,22 +181,35 @@ bool OutlineRefiner::linearise(int stage) noexcept {
   pixels_left_ -= static_cast<int>(pixels_.count / every);
   linearised_at_ = state_;
   const auto groups = pixels_.groups.span();
+  pixels_.are_smeared = Smear(state_).parts > 1;
+  // Dots that run together hide each other's ink: what each has is told once that of its neighbours is.
+  if (pixels_.are_smeared && std::ranges::all_of(contrasts_lsb_, [](float contrast) { return contrast == 0; }))
+    fit_groups(every);
+  fit_groups(every);
+  weigh_groups(groups, fits_, std::max(stage_of(stage).shift_floor_px, warp_px_), weights_);
+  // An outline that is not where it is looked for fits as badly as one that a shadow's edge crosses.
+  look_.split_since = stage_of(stage).may_split && !is_first_of_expectation(stage) && follow_shadows();
+  return true;
+}
+
+void OutlineRefiner::fit_groups(std::size_t every) noexcept {
+  const auto groups = pixels_.groups.span();
+  if (pixels_.are_smeared) gather_ink_of_others(landmark_, state_, contrasts_lsb_, pixels_);
+  contrasts_lsb_.fill(0);
   GroupFitter fitter(pixels_, landmark_, state_, Asked::kState);
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    std::optional<LightEdge>& edge = pixels_.light_edges[groups[g].dot];
+    const std::size_t dot = groups[g].dot;
+    std::optional<LightEdge>& edge = pixels_.light_edges[dot];
     // Where the outline is now, the edge is elsewhere too.
     if (groups[g].whole_dot && edge) {
       pixels_left_ -= kMovedEdge * groups[g].count;
       if (const auto moved = fitter.find_edge(groups[g], &*edge)) edge = moved;
     }
     fitter.fit(groups[g], fits_[g], every);
-    if (light_ == Light::kFull && cuts_[groups[g].dot] == Cut::kSectors)
-      fits_[g].light_px2 = kCutMoves_px * kCutMoves_px;
+    if (light_ == Light::kFull && cuts_[dot] == Cut::kSectors) fits_[g].light_px2 = kCutMoves_px * kCutMoves_px;
+    if (groups[g].whole_dot && fits_[g].usable)
+      contrasts_lsb_[dot] = static_cast<float>(std::clamp(fits_[g].contrast_lsb, 0.0, kMostContrast_lsb));
   }
-  weigh_groups(groups, fits_, std::max(stage_of(stage).shift_floor_px, warp_px_), weights_);
-  // An outline that is not where it is looked for fits as badly as one that a shadow's edge crosses.
-  look_.split_since = stage_of(stage).may_split && !is_first_of_expectation(stage) && follow_shadows();
-  return true;
 }
 
 /// Finds the edges of shadows that cross dots; cuts into sectors where one edge is not enough.
@@ -344,9 +360,11 @@ bool OutlineRefiner::solve_equations(double nuisance_sigma, Step& step) noexcept
     b(unknown) += (mean - value) / (sigma * sigma);
   };
   prior(6, state_.offset_px, 0, std::lerp(kOffsetSigma_px, kDotGainSigma_px, tone_share_));
-  prior(7, state_.blur_px2, kMeanBlur_px2, kMeanBlurSigma_px2);
-  prior(8, state_.blur_cos_px2, 0, kHarmonicSigma_px2);
-  prior(9, state_.blur_sin_px2, 0, kHarmonicSigma_px2);
+  const Eigen::Vector3d smear = smear_px2(state_, camera_.fx_px);
+  const double smear_sigma = kSmearShare * smear(0);
+  prior(7, state_.blur_px2, kMeanBlur_px2 + smear(0), std::hypot(kMeanBlurSigma_px2, smear_sigma));
+  prior(8, state_.blur_cos_px2, smear(1), std::hypot(kHarmonicSigma_px2, smear_sigma));
+  prior(9, state_.blur_sin_px2, smear(2), std::hypot(kHarmonicSigma_px2, smear_sigma));
   prior(kToneUnknown, state_.tone, tone_share_ * kMeanTone, kHeldToneSigma + tone_share_ * kToneSigma);
   for (int unknown = kPoseUnknowns; unknown < kUnknowns; ++unknown) prior(unknown, 0, 0, nuisance_sigma);
   const Eigen::LDLT<UnknownMatrix> ldlt(information_);

@@ -10,6 +10,7 @@
 #include "pose/outline_pixels.h"
 #include "pose/outline_sums.h"
 #include "pose/outline_weights.h"
+#include "pose/smeared_ink.h"
 
 namespace ninedot {
 
@@ -106,6 +107,7 @@ class OutlineRefiner {
   };
   void guess_tone() noexcept;
   bool look_again_if_stale(int stage) noexcept;
+  void fit_groups(std::size_t every) noexcept;
   bool follow_shadows() noexcept;
   double semi_minor_px(std::size_t dot) const noexcept;
   bool solve_equations(double nuisance_sigma, Step& step) noexcept;
@@ -135,6 +137,7 @@ class OutlineRefiner {
   bool expectation_is_close_ = false;  // its first step was short: it may be the last
 
   OutlinePixels pixels_;
+  DotContrasts contrasts_lsb_{};  // of each dot that is one group, by the last fit
   GroupFits fits_;
   OutlineWeights weights_;
   Cuts cuts_{};

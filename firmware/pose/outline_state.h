@@ -2,6 +2,7 @@
 /// What is unknown about the picture of one landmark's outlines.
 #include <Eigen/Core>
 #include <cmath>
+#include <cstddef>
 
 #include "geometry/sheet_motion.h"
 #include "geometry/transform.h"
@@ -35,6 +36,26 @@ struct OutlineState {
   /// \param step  [m] (pose), [px] (offset), [px^2] (blur), [1] (tone)
   void apply(const UnknownVector& step) noexcept;
 };
+
+/// What a blur is made of that is much wider along one direction: that is motion, which draws a line of even
+/// brightness, where a Gaussian has tails. As many Gaussians, each of a part of the line, have its shape, and all
+/// together the variance of the one. Memory: none. Threads: pure.
+struct Smear {
+  static constexpr std::size_t kMostParts = 6;
+
+  explicit Smear(const OutlineState& state) noexcept;
+
+  std::size_t parts = 1;                              ///< 1: it is no smear, but the blur as it is
+  Eigen::Vector2d line_px = Eigen::Vector2d::Zero();  ///< from one end to the other
+  double blur_px2, cos_px2, sin_px2;                  ///< of one part: OutlineState's
+
+  /// Variance of a part in its wide direction. [px^2]
+  double widest_px2() const noexcept { return blur_px2 + std::hypot(cos_px2, sin_px2); }
+};
+
+/// What `state.motion` adds to the blur while a row is exposed: its mean and second harmonic [px^2]. A line of even
+/// brightness has a twelfth of its length's square as variance. \param focal_px  of the camera
+Eigen::Vector3d smear_px2(const OutlineState& state, double focal_px) noexcept;
 
 /// The picture that a colour camera's pattern was laid over: before interpolation blurred it, and before a tone curve
 /// moved its edges. Memory: none. Threads: pure.

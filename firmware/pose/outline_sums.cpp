@@ -309,6 +309,9 @@ void GroupFitter::fit(const OutlineGroup& group, GroupFit& fit, std::size_t ever
     const std::size_t used = std::min(kLanes * kMaxBatches, count - at);
     const PixelRange range{static_cast<std::size_t>(group.first) + at * every, used, every};
     fill_columns(pixels_, group, look_->view, look_->disc, range, asked_, batches);
+    if (pixels_.are_smeared && group.whole_dot)
+      for (std::size_t i = 0; i < used; ++i)
+        batches[i / kLanes][kGreyColumn][i % kLanes] += pixels_.ink_of_others_lsb[range.first + i * every];
     if (with_pattern)
       fill_pattern_columns(pixels_, before_interpolation_->view, before_interpolation_->disc, range, batches);
     const std::size_t filled = (used + kLanes - 1) / kLanes;

@@ -1,0 +1,188 @@
+// A camera that turns so fast that dots draw lines: how it turns, how long it exposes, and landmarks found all the
+// same.
+#include "pipeline/smeared_view.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "pipeline/room_localiser.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/rendered_truth.h"
+#include "tests/support/renderer_optics.h"
+#include "tests/support/room_renderer.h"
+#include "tests/support/sanitizers.h"
+#include "world/landmark_codes.h"
+
+namespace ninedot {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kRate_hz = 35, kExposure_s = 0.004;
+constexpr int kFrames = 27;
+
+/// Three sheets 3 to 4 m away, and a camera that looks to and fro, by up to 160 degrees per second.
+class LookingAround {
+ public:
+  LookingAround() {
+    room_.wall = {0.4, 0.1, 0.1, 7};
+    std::vector<MappedLandmark> landmarks;
+    const double along_m[] = {-0.8, 0.1, 0.9}, height_m[] = {1.75, 1.1, 1.5};
+    for (int i = 0; i < 3; ++i) {
+      const std::string code(known_code(i + 1).value());
+      const test::HungLandmark hung{test::RoomSide::kHighX, along_m[i], height_m[i], test::inks_of_code(code)};
+      room_.landmarks.push_back(hung);
+      const Eigen::Vector3d x0 = test::axes_of(hung.side).col(0);
+      landmarks.push_back({static_cast<std::uint16_t>(i + 1), code,
+                           place_upright(test::place_of(room_, hung), std::atan2(x0.y(), x0.x()))});
+    }
+    map_ = LandmarkMap(std::move(landmarks));
+    set_noise(sensor_, 1.5);
+    const test::RoomRenderer renderer(room_, lens_, sensor_);
+    const test::Shutter shutter{kExposure_s, 0, test::kSanitized ? 2 : 10};
+    for (int number = 0; number < kFrames; ++number)
+      pictures_.push_back(
+          read_out(renderer.expose([&](double after_s) { return camera_at(number / kRate_hz + after_s); }, shutter),
+                   sensor_, test::ChromaLayout::k420, static_cast<std::uint64_t>(number)));
+  }
+
+  static double yaw_rad(double time_s) { return 0.35 * std::sin(8 * time_s); }
+  static double rate_rad_s(int number) { return 0.35 * 8 * std::cos(8 * number / kRate_hz); }
+  static test::CameraPose camera_at(double time_s) {
+    const Eigen::Vector3d ahead(std::cos(yaw_rad(time_s)), std::sin(yaw_rad(time_s)), 0);
+    const Eigen::Vector3d right = ahead.cross(Eigen::Vector3d::UnitZ());
+    Eigen::Matrix3d level;
+    level << right, ahead.cross(right), ahead;
+    const Eigen::Quaterniond q(level);
+    return {{-0.3, 0.1, 1.35}, {q.w(), q.x(), q.y(), q.z()}};
+  }
+
+  Frame frame(int number, bool tells_exposure) const {
+    Frame frame;
+    frame.number = static_cast<std::uint64_t>(number);
+    frame.luma = pictures_[static_cast<std::size_t>(number)].luma.view();
+    frame.chroma = pictures_[static_cast<std::size_t>(number)].chroma();
+    const auto at = std::chrono::nanoseconds(std::llround(1e9 * number / kRate_hz));
+    frame.set_exposure(MonoTime(5s + at), tells_exposure ? 4ms : 0ms);
+    return frame;
+  }
+  const LandmarkMap& map() const { return map_; }
+  CameraModel camera() const { return test::pinhole_of(lens_); }
+  /// What a point in the middle draws.
+  double line_px(int number) const { return std::abs(rate_rad_s(number)) * kExposure_s * camera().fx_px; }
+  int in_view(int number) const {
+    int count = 0;
+    for (const MappedLandmark& landmark : map_.landmarks()) {
+      const Eigen::Vector3d to_m =
+          landmark.T_world_landmark.translation_m - Eigen::Vector3d(camera_at(0).position_m.data());
+      const double aside = std::tan(std::atan2(to_m.y(), to_m.x()) - yaw_rad(number / kRate_hz));
+      count += std::abs(camera().fx_px * aside) < 0.5 * camera().width_px - 40;
+    }
+    return count;
+  }
+
+ private:
+  test::Lens lens_;
+  test::Sensor sensor_;
+  test::Room room_;
+  LandmarkMap map_;
+  std::vector<test::ColourPicture> pictures_;
+};
+
+const LookingAround& looking_around() {
+  static const LookingAround room;
+  return room;
+}
+
+TEST(VisualGyro, KnowsHowTheCameraTurns) {
+  const LookingAround& room = looking_around();
+  VisualGyro gyro(room.camera());
+  int told = 0;
+  for (int number = 0; number < kFrames; ++number) {
+    const auto twist = gyro.turn(room.frame(number, true), room.camera());
+    EXPECT_TRUE(number > 0 || !twist);
+    if (!twist || number < 2) continue;
+    ++told;
+    // To the left is against the camera's y, which points down.
+    EXPECT_NEAR(twist->angular_velocity_rad_s.y(), -room.rate_rad_s(number), 0.35) << number;
+    EXPECT_NEAR(twist->angular_velocity_rad_s.x(), 0, 0.15) << number;
+    EXPECT_GT(twist->rate_sigma_rad_s, 0);
+  }
+  EXPECT_GT(told, 20);
+  Frame much_later = room.frame(3, true);
+  much_later.set_exposure(much_later.exposed_at() + 10s, 4ms);
+  EXPECT_FALSE(gyro.turn(much_later, room.camera())) << "a picture of another time";
+}
+
+TEST(ExposureBelief, IsWhatLinesSayThatLandmarksDraw) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 0.1);
+  std::uniform_real_distribution<double> speed(100, 1500);
+  ExposureBelief belief;
+  EXPECT_FALSE(belief.exposure_s());
+  for (int i = 0; i < 30; ++i) {
+    const double speed_px_s = speed(random);
+    belief.note(speed_px_s, std::pow(speed_px_s * 0.006, 2) / 24 + noise(random));
+  }
+  ASSERT_TRUE(belief.exposure_s());
+  EXPECT_NEAR(*belief.exposure_s(), 0.006, 0.0003);
+  for (int i = 0; i < 200; ++i) belief.note(1000, std::pow(1000 * 0.003, 2) / 24);
+  EXPECT_NEAR(belief.exposure_s().value_or(0), 0.003, 0.0003) << "it has become shorter";
+  ExposureBelief of_slow;
+  for (int i = 0; i < 30; ++i) of_slow.note(250, noise(random));
+  EXPECT_FALSE(of_slow.exposure_s()) << "noise is no exposure";
+}
+
+struct Seen {
+  int shown = 0, named = 0, wrong = 0, placed = 0, beyond_5_sigma = 0;  ///< of the smeared frames
+};
+
+Seen look_around(bool tells_exposure) {
+  const LookingAround& room = looking_around();
+  RoomLocaliser unit(room.camera(), {.row_time = 0ns, .map = room.map()});
+  Seen seen;
+  // Twice: what recordings don't say is known the second time.
+  for (int number = 0; number < 2 * kFrames; ++number) {
+    Frame frame = room.frame(number % kFrames, tells_exposure);
+    frame.set_exposure(frame.exposed_at() + number / kFrames * 10s, frame.exposure_end - frame.exposure_begin);
+    const test::AllocationGuard guard;
+    const Fix& fix = unit.process(frame);
+    EXPECT_EQ(guard.allocations(), 0U) << number;
+    if (number < kFrames || room.line_px(number % kFrames) < 6) continue;
+    seen.shown += room.in_view(number % kFrames);
+    seen.named += static_cast<int>(fix.landmarks.size());
+    if (!fix.world) continue;
+    const Eigen::Vector3d error_m =
+        fix.world->T_world_camera.translation_m - Eigen::Vector3d(LookingAround::camera_at(0).position_m.data());
+    ++seen.placed;
+    seen.wrong += error_m.norm() > 0.4;
+    seen.beyond_5_sigma +=
+        ((error_m.array() / fix.world->covariance.topLeftCorner<3, 3>().diagonal().array().sqrt()).abs() > 5).any();
+  }
+  std::printf("%d shown, %d named, %d placed, %d wrong, %d beyond 5 sigma\n", seen.shown, seen.named, seen.placed,
+              seen.wrong, seen.beyond_5_sigma);
+  return seen;
+}
+
+TEST(SmearedView, FindsLandmarksWhoseDotsRunTogether) {
+  for (const bool tells_exposure : {true, false}) {
+    const Seen seen = look_around(tells_exposure);
+    if (test::kSanitized) continue;  // of two pictures, which are no line
+    EXPECT_GT(seen.shown, 25);
+    EXPECT_GT(seen.named, 0.8 * seen.shown) << tells_exposure;
+    EXPECT_GT(seen.placed, 8);
+    EXPECT_EQ(seen.wrong, 0);
+    EXPECT_EQ(seen.beyond_5_sigma, 0);
+  }
+}
+
+}  // namespace
+}  // namespace ninedot
