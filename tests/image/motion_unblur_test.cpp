@@ -51,6 +51,15 @@ double apart_lsb(const ImageView& view, int first_px, int end_px) {
   return (between - in) / count;
 }
 
+/// Root mean square of the difference, but for what is near the border.
+double off_lsb(const ImageView& view, const ImageView& truth) {
+  double sum = 0;
+  int count = 0;
+  for (int v = 50; v < kHeight_px - 50; ++v)
+    for (int u = 50; u < kWidth_px - 50; ++u, ++count) sum += std::pow(view.at(u, v) - truth.at(u, v), 2);
+  return std::sqrt(sum / count);
+}
+
 TEST(MotionUnblur, TakesDotsApartThatMotionHasMadeOneBar) {
   for (const MotionUnblur::Line line : {MotionUnblur::Line{9, 0}, {8.5F, 3}, {-8.5F, 2}, {2, 9.5F}}) {
     const std::vector<std::uint8_t> smeared = dots([&](int) { return line; }, 1.5);
@@ -63,6 +72,19 @@ TEST(MotionUnblur, TakesDotsApartThatMotionHasMadeOneBar) {
     const double before_lsb = apart_lsb(view_of(smeared), 0, 300), after_lsb = apart_lsb(out, 0, 300);
     EXPECT_GT(after_lsb, 60) << line.x_px << ", " << line.y_px;
     EXPECT_GT(after_lsb, 1.5 * before_lsb) << line.x_px << ", " << line.y_px;
+  }
+}
+
+TEST(MotionUnblur, GoesAlongTheLineWhereverItPoints) {
+  const std::vector<std::uint8_t> sharp = dots([](int) { return MotionUnblur::Line{}; }, 0);
+  for (const MotionUnblur::Line line : {MotionUnblur::Line{9, 0}, {8.5F, 3}, {7, 6}, {7, -6}, {-4, 8}, {0, 9}}) {
+    const std::vector<std::uint8_t> smeared = dots([&](int) { return line; }, 1.5);
+    std::array<MotionUnblur::Line, MotionUnblur::kStrips> lines;
+    lines.fill(line);
+    MotionUnblur unblur(kWidth_px, kHeight_px);
+    EXPECT_LT(off_lsb(unblur.of(view_of(smeared), lines), view_of(sharp)),
+              0.8 * off_lsb(view_of(smeared), view_of(sharp)))
+        << line.x_px << ", " << line.y_px;
   }
 }
 

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <random>
@@ -26,7 +25,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kRate_hz = 35, kExposure_s = 0.004;
+constexpr double kRate_hz = 35, kExposure_s = 0.005;
 constexpr int kFrames = 27;
 
 /// Three sheets 3 to 4 m away, and a camera that looks to and fro, by up to 160 degrees per second.
@@ -47,7 +46,7 @@ class LookingAround {
     map_ = LandmarkMap(std::move(landmarks));
     set_noise(sensor_, 1.5);
     const test::RoomRenderer renderer(room_, lens_, sensor_);
-    const test::Shutter shutter{kExposure_s, 0, test::kSanitized ? 2 : 10};
+    const test::Shutter shutter{kExposure_s, 0, test::kSanitized ? 2 : 14};
     for (int number = 0; number < kFrames; ++number)
       pictures_.push_back(
           read_out(renderer.expose([&](double after_s) { return camera_at(number / kRate_hz + after_s); }, shutter),
@@ -71,7 +70,7 @@ class LookingAround {
     frame.luma = pictures_[static_cast<std::size_t>(number)].luma.view();
     frame.chroma = pictures_[static_cast<std::size_t>(number)].chroma();
     const auto at = std::chrono::nanoseconds(std::llround(1e9 * number / kRate_hz));
-    frame.set_exposure(MonoTime(5s + at), tells_exposure ? 4ms : 0ms);
+    frame.set_exposure(MonoTime(5s + at), tells_exposure ? 5ms : 0ms);
     return frame;
   }
   const LandmarkMap& map() const { return map_; }
@@ -118,7 +117,7 @@ TEST(VisualGyro, KnowsHowTheCameraTurns) {
   }
   EXPECT_GT(told, 20);
   Frame much_later = room.frame(3, true);
-  much_later.set_exposure(much_later.exposed_at() + 10s, 4ms);
+  much_later.set_exposure(much_later.exposed_at() + 10s, 5ms);
   EXPECT_FALSE(gyro.turn(much_later, room.camera())) << "a picture of another time";
 }
 
@@ -145,9 +144,10 @@ struct Seen {
   int shown = 0, named = 0, wrong = 0, placed = 0, beyond_5_sigma = 0;  ///< of the smeared frames
 };
 
-Seen look_around(bool tells_exposure) {
+/// \param tracks  else each picture is all that is known of where the landmarks are
+Seen look_around(bool tells_exposure, bool tracks) {
   const LookingAround& room = looking_around();
-  RoomLocaliser unit(room.camera(), {.row_time = 0ns, .map = room.map()});
+  RoomLocaliser unit(room.camera(), {.row_time = 0ns, .tracking = tracks, .map = room.map()});
   Seen seen;
   // Twice: what recordings don't say is known the second time.
   for (int number = 0; number < 2 * kFrames; ++number) {
@@ -156,7 +156,7 @@ Seen look_around(bool tells_exposure) {
     const test::AllocationGuard guard;
     const Fix& fix = unit.process(frame);
     EXPECT_EQ(guard.allocations(), 0U) << number;
-    if (number < kFrames || room.line_px(number % kFrames) < 6) continue;
+    if (number < kFrames || room.line_px(number % kFrames) < 7) continue;
     seen.shown += room.in_view(number % kFrames);
     seen.named += static_cast<int>(fix.landmarks.size());
     if (!fix.world) continue;
@@ -167,21 +167,64 @@ Seen look_around(bool tells_exposure) {
     seen.beyond_5_sigma +=
         ((error_m.array() / fix.world->covariance.topLeftCorner<3, 3>().diagonal().array().sqrt()).abs() > 5).any();
   }
-  std::printf("%d shown, %d named, %d placed, %d wrong, %d beyond 5 sigma\n", seen.shown, seen.named, seen.placed,
-              seen.wrong, seen.beyond_5_sigma);
   return seen;
+}
+
+TEST(SmearedView, LearnsHowLongPicturesAreExposedThatDoNotSay) {
+  const LookingAround& room = looking_around();
+  const CameraModel camera = room.camera();
+  SmearedView view(camera);
+  OutlineState outlines;
+  outlines.T_camera_landmark.translation_m = {0.2, 0.1, 4};
+  SheetMotion motion;
+  motion.translation_m_s = {4, -1, 0};
+  outlines.motion = motion;
+  outlines.motion.exposure_s = kExposure_s;
+  const Eigen::Vector3d smear = smear_px2(outlines, camera.fx_px);
+  outlines.blur_px2 += smear(0), outlines.blur_cos_px2 = smear(1), outlines.blur_sin_px2 = smear(2);
+  for (int number = 0; number < 8; ++number) {
+    view.begin(room.frame(number, false), camera, {});
+    EXPECT_TRUE(number > 0 || view.exposure_s() == 0);
+    EXPECT_FALSE(number == 0 && view.is_smeared());
+    view.note(motion, outlines, camera);
+  }
+  EXPECT_NEAR(view.exposure_s(), kExposure_s, 1e-4);
+  SheetMotion slow = motion;
+  slow.translation_m_s /= 100;
+  for (int i = 0; i < 1000; ++i) view.note(slow, outlines, camera);
+  view.begin(room.frame(13, false), camera, {});
+  view.begin(room.frame(14, false), camera, {});
+  EXPECT_NEAR(view.exposure_s(), kExposure_s, 1e-4) << "what hardly moves says nothing";
+  EXPECT_TRUE(view.is_smeared());
+  EXPECT_TRUE(view.twist());
+  view.begin(room.frame(20, true), camera, {});
+  EXPECT_EQ(view.exposure_s(), kExposure_s) << "as it says";
+  Frame small = room.frame(21, true);
+  small.luma.width_px /= 2;
+  CameraTwist fast;
+  fast.angular_velocity_rad_s = {0, 3, 0};
+  view.begin(small, camera, fast);
+  EXPECT_FALSE(view.is_smeared()) << "of another camera";
 }
 
 TEST(SmearedView, FindsLandmarksWhoseDotsRunTogether) {
   for (const bool tells_exposure : {true, false}) {
-    const Seen seen = look_around(tells_exposure);
+    const Seen seen = look_around(tells_exposure, true);
     if (test::kSanitized) continue;  // of two pictures, which are no line
     EXPECT_GT(seen.shown, 25);
-    EXPECT_GT(seen.named, 0.8 * seen.shown) << tells_exposure;
-    EXPECT_GT(seen.placed, 8);
+    EXPECT_GT(seen.named, 0.6 * seen.shown) << tells_exposure;
+    EXPECT_GT(seen.placed, 5);
     EXPECT_EQ(seen.wrong, 0);
     EXPECT_EQ(seen.beyond_5_sigma, 0);
   }
+}
+
+// Without a track nothing helps but the picture as if it were not smeared: else four of five are found.
+TEST(SmearedView, FindsThemInOnePictureByItself) {
+  const Seen seen = look_around(true, false);
+  if (test::kSanitized) return;
+  EXPECT_GT(seen.named, 0.9 * seen.shown);
+  EXPECT_EQ(seen.wrong, 0);
 }
 
 }  // namespace
