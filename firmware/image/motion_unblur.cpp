@@ -18,7 +18,7 @@ constexpr std::size_t kSteps = 512;  // of frequencies, from 0 to a whole turn f
 constexpr double kReachPerLine = 4;  // of the filter on either side: what is beyond is less than the noise
 constexpr double kTapered = 0.25;    // of it: where it fades
 
-/// \param frequency  in turns for each pixel
+/// sin(pi x) / (pi x). \param turns  x
 double sinc(double turns) noexcept {
   const double x = std::numbers::pi * turns;
   return std::abs(x) < 1e-6 ? 1 : std::sin(x) / x;

@@ -7,8 +7,8 @@ namespace {
 
 // Pictures that lie further apart have not gained speed evenly; nor do they show much of the same.
 constexpr double kLongest_s = 0.2;
-// Of the turning: what a camera that also moves makes of it, and what it gains from one picture to the next. Rendered
-// rooms: 15 % and 3 px in 179 of 179.
+// Of the turning: what a camera that also moves makes of it, and what it gains from one picture to the next
+// (VisualGyro.KnowsHowTheCameraTurns: 0.35 of 2.8 rad/s at most where it gains 0.6 rad/s in each).
 constexpr double kUnknownShare = 0.15;
 
 }  // namespace

@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "pipeline/room_localiser.h"
+#include "tests/pipeline/three_sheets.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/random.h"
 #include "tests/support/rendered_truth.h"
 #include "tests/support/renderer_optics.h"
 #include "tests/support/room_renderer.h"
 #include "tests/support/sanitizers.h"
-#include "world/landmark_codes.h"
 
 namespace ninedot {
 namespace {
@@ -32,18 +32,7 @@ constexpr int kSubExposures = test::kSanitized ? 1 : 4;
 class Hall {
  public:
   explicit Hall(double row_time_s) : shutter_{0.002, row_time_s, kSubExposures} {
-    room_.wall = {0.4, 0.1, 0.1, 7};
-    std::vector<MappedLandmark> landmarks;
-    const double along_m[] = {-0.55, 0.05, 0.5}, height_m[] = {1.75, 1.0, 1.45};
-    for (int i = 0; i < 3; ++i) {
-      const std::string code(known_code(i + 1).value());
-      const test::HungLandmark hung{test::RoomSide::kHighX, along_m[i], height_m[i], test::inks_of_code(code)};
-      room_.landmarks.push_back(hung);
-      const Eigen::Vector3d x0 = test::axes_of(hung.side).col(0);
-      landmarks.push_back({static_cast<std::uint16_t>(i + 1), code,
-                           place_upright(test::place_of(room_, hung), std::atan2(x0.y(), x0.x()))});
-    }
-    map_ = LandmarkMap(std::move(landmarks));
+    map_ = test::hang_three_sheets(room_, {-0.55, 0.05, 0.5}, {1.75, 1.0, 1.45});
     set_noise(sensor_, 1.5);
     const test::RoomRenderer renderer(room_, lens_, sensor_);
     for (int number = 0; number < kFrames; ++number)

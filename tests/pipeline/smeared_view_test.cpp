@@ -13,12 +13,12 @@
 #include <vector>
 
 #include "pipeline/room_localiser.h"
+#include "tests/pipeline/three_sheets.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/rendered_truth.h"
 #include "tests/support/renderer_optics.h"
 #include "tests/support/room_renderer.h"
 #include "tests/support/sanitizers.h"
-#include "world/landmark_codes.h"
 
 namespace ninedot {
 namespace {
@@ -28,22 +28,11 @@ using namespace std::chrono_literals;
 constexpr double kRate_hz = 35, kExposure_s = 0.005;
 constexpr int kFrames = 27;
 
-/// Three sheets 3 to 4 m away, and a camera that looks to and fro, by up to 160 degrees per second.
+/// Three sheets 4.3 m away, and a camera that looks to and fro, by up to 160 degrees per second.
 class LookingAround {
  public:
   LookingAround() {
-    room_.wall = {0.4, 0.1, 0.1, 7};
-    std::vector<MappedLandmark> landmarks;
-    const double along_m[] = {-0.8, 0.1, 0.9}, height_m[] = {1.75, 1.1, 1.5};
-    for (int i = 0; i < 3; ++i) {
-      const std::string code(known_code(i + 1).value());
-      const test::HungLandmark hung{test::RoomSide::kHighX, along_m[i], height_m[i], test::inks_of_code(code)};
-      room_.landmarks.push_back(hung);
-      const Eigen::Vector3d x0 = test::axes_of(hung.side).col(0);
-      landmarks.push_back({static_cast<std::uint16_t>(i + 1), code,
-                           place_upright(test::place_of(room_, hung), std::atan2(x0.y(), x0.x()))});
-    }
-    map_ = LandmarkMap(std::move(landmarks));
+    map_ = test::hang_three_sheets(room_, {-0.8, 0.1, 0.9}, {1.75, 1.1, 1.5});
     set_noise(sensor_, 1.5);
     const test::RoomRenderer renderer(room_, lens_, sensor_);
     const test::Shutter shutter{kExposure_s, 0, test::kSanitized ? 2 : 14};
