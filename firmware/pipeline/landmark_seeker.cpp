@@ -15,6 +15,9 @@ namespace {
 constexpr FullSolverOptions kInRooms{.most_sigma = 1, .pattern_px = 0.1};
 // Of two things that were made alike: their sizes in the picture, as far as the two poses know them.
 constexpr double kAsLarge = 0.9;
+// Of what is left of a frame's pixels, by which a look at what may not be there is to get along: a smeared landmark
+// that is there takes a sixth of all.
+constexpr int kShareOfLook = 4;
 
 FullSolverOptions full_options(const SeekerOptions& options) noexcept {
   FullSolverOptions full = options.has_map ? kInRooms : FullSolverOptions{};
@@ -166,8 +169,14 @@ Result<std::size_t> LandmarkSeeker::look_at(const CameraFromLandmark& T_camera_l
   const SheetMotion motion = motion_of(track, T_camera_landmark.translation_m, false).sheet;
   std::array<double, kDotCount> all_visible;
   all_visible.fill(1);
-  return solve(observation_of(as_exposed(T_camera_landmark, motion, camera_), all_visible, camera_, options_.landmark),
-               nullptr, track, true);
+  // What is not there leads its fit astray for long, and a search may have to come after it.
+  const int kept = budget_.pixels - budget_.pixels / kShareOfLook;
+  budget_.pixels -= kept;
+  const auto chosen =
+      solve(observation_of(as_exposed(T_camera_landmark, motion, camera_), all_visible, camera_, options_.landmark),
+            nullptr, track, true);
+  budget_.pixels += kept;
+  return chosen;
 }
 
 Result<std::size_t> LandmarkSeeker::solve(const LandmarkObservation& seen, const PosePrior* prior, Track& track,

@@ -170,6 +170,8 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, Re
   widened.covariance += row_time_share(fix.sighting, fix.row_motion.sheet, fix_.row_time.sigma_s,
                                        options_.seeker.landmark, lens_->seeker.camera());
   widen(widened, fix.row_motion.uncertainty, lens_->seeker.camera());
+  widen_by_smear(fix.sighting, fix.candidates.list[chosen].outlines, lens_->seeker.camera());
+  widen_by_smear(widened, fix.candidates.list[chosen].outlines, lens_->seeker.camera());
   add_calibration_error(fix);
   const PoseEstimate& pose = fix.pose();
   fix.T_world_camera = landmark.T_world_landmark * pose.T_landmark_camera;
@@ -207,7 +209,8 @@ const Fix& Localiser::process(const Frame& frame) noexcept {
 /// The whole path of a frame whose lens is there.
 void Localiser::look_at(const Frame& frame) noexcept {
   fix_.row_time = row_time_.begin(frame);
-  lens_->seeker.begin(frame, options_.budget, fix_.row_time);
+  exposure_.begin(frame);
+  lens_->seeker.begin(frame, options_.budget, fix_.row_time, exposure_.seconds());
   // Without tracking a frame's answer depends on that frame alone.
   if (!options_.tracking || track_.is_numbering_refuted()) track_.reset(), filter_.reset();
   const bool has_track = options_.tracking && track_.has_sighting() && next_guess_ == 0;
@@ -220,6 +223,9 @@ void Localiser::look_at(const Frame& frame) noexcept {
   WorkBudget& budget = lens_->seeker.budget();
   if (chosen) {
     add_fix(lens_->seeker.candidates(), *chosen, Reason::kNone);
+    if (options_.tracking)
+      exposure_.note(fix_.main().row_motion.sheet, fix_.main().candidates.list[*chosen].outlines,
+                     lens_->seeker.camera());
     if (options_.seeker.solver == Solver::kFull) follow_in_world(frame, fix_.main());
   } else {
     track_.lose_pose(track_.has_sighting());

@@ -6,6 +6,7 @@
 
 #include "pipeline/frame_processor.h"
 #include "pipeline/lens.h"
+#include "pipeline/picture_exposure.h"
 #include "pipeline/room_map.h"
 #include "pipeline/verdict.h"
 #include "track/row_time_belief.h"
@@ -91,6 +92,7 @@ class Localiser final : public FrameProcessor {
   Track track_;
   PoseFilter filter_;
   RowTimeBelief row_time_;
+  PictureExposure exposure_;
   bool is_to_begin_anew_ = false;  // with the next frame: what was followed was so by a wrong row time
   PoseInformation calibration_share_ = PoseInformation::Zero();  // of the newest place in the world
   // What the frame before had no pixels left for: 0 nothing; else the search leaves out the likeliest guess and begins

@@ -40,6 +40,8 @@ WorldVerdict RoomLocaliser::place_in_world(const Frame& frame) noexcept {
     SightedLandmark seen;
     seen.sighting = {0, believed.pose.T_landmark_camera.inverse(), believed.dots};
     widen_by_scatter(seen.sighting, options_.seeker.landmark);
+    widen_by_smear(seen.sighting, believed.outlines, lens_->seeker.camera());
+    seen.is_smeared = Smear(believed.outlines).parts > 1;
     widen(seen.sighting, landmark.row_motion.uncertainty, lens_->seeker.camera(), may_move);
     for (std::size_t other = 0; other < landmark.candidates.list.size(); ++other) {
       const PoseCandidate& mirror = landmark.candidates.list[other];
@@ -173,8 +175,10 @@ void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const
   PoseEstimate& pose = fix.candidates.list[fix.chosen].pose;
   const bool is_used = world.is_valid() && verdict.use == SightingUse::kUsed;
   fix.sighting = {mapped.id, pose.T_landmark_camera.inverse(), fix.candidates.list[fix.chosen].dots};
+  widen_by_smear(fix.sighting, fix.candidates.list[fix.chosen].outlines, lens_->seeker.camera());
   fix.row_motion = landmark.row_motion;
   widen(pose, landmark.row_motion.uncertainty, lens_->seeker.camera());
+  widen_by_smear(pose, fix.candidates.list[fix.chosen].outlines, lens_->seeker.camera());
   pose.covariance += row_time_share(fix.sighting, fix.row_motion.sheet, row_time_.now().sigma_s,
                                     options_.seeker.landmark, lens_->seeker.camera());
   if (lens_->calibration_error.is_known()) {

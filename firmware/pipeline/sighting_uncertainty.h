@@ -8,6 +8,7 @@
 #include "geometry/camera_model.h"
 #include "geometry/sheet_motion.h"
 #include "pose/estimate.h"
+#include "pose/outline_state.h"
 #include "world/sighting.h"
 
 namespace ninedot {
@@ -48,5 +49,13 @@ void widen(PoseEstimate& pose, const RowUncertainty& rows, const CameraModel& ca
 /// colour camera's pattern moves dots of two pixels, and a warped sheet all of them. Never less uncertain than claimed.
 /// Memory: none. Threads: pure.
 void widen_by_scatter(LandmarkSighting& sighting, const LandmarkGeometry& landmark) noexcept;
+
+/// Where dots draw lines, a camera that gains speed meanwhile, or a shutter that opens slowly, makes them uneven, and
+/// moves them all alike, which their places about each other do not show. And long lines run into each other and into
+/// the wall, which moves them about each other as well. Memory: none. Threads: pure.
+/// \param outlines  its own
+void widen_by_smear(LandmarkSighting& sighting, const OutlineState& outlines, const CameraModel& camera) noexcept;
+/// The same of a pose's covariance.
+void widen_by_smear(PoseEstimate& pose, const OutlineState& outlines, const CameraModel& camera) noexcept;
 
 }  // namespace ninedot

@@ -8,7 +8,7 @@
 #include "image/frame.h"
 #include "image/motion_unblur.h"
 #include "pipeline/camera_twist.h"
-#include "pipeline/exposure_belief.h"
+#include "pipeline/picture_exposure.h"
 #include "pipeline/visual_gyro.h"
 #include "pose/outline_state.h"
 
@@ -26,24 +26,24 @@ class SmearedView {
   /// How the camera moves in it; none: nobody knows.
   const std::optional<CameraTwist>& twist() const noexcept { return twist_; }
   /// How long it is exposed: as it says, or as landmarks before it have shown; 0: nobody knows. [s]
-  double exposure_s() const noexcept { return exposure_s_; }
+  double exposure_s() const noexcept { return exposure_.seconds(); }
   /// Dots of a distant ring run into each other.
   bool is_smeared() const noexcept { return is_smeared_; }
   /// The picture as if it were not. \return  valid until the next call
   ImageView unblurred(const ImageView& luma, const CameraModel& camera) noexcept;
 
   /// A landmark in it says how long it was exposed, where the picture does not. \param motion  of its sheet
-  void note(const SheetMotion& motion, const OutlineState& outlines, const CameraModel& camera) noexcept;
+  void note(const SheetMotion& motion, const OutlineState& outlines, const CameraModel& camera) noexcept {
+    exposure_.note(motion, outlines, camera);
+  }
 
  private:
   double line_px(const CameraTwist& twist, const CameraModel& camera) const noexcept;
 
   VisualGyro gyro_;
   MotionUnblur unblur_;
-  ExposureBelief belief_;
+  PictureExposure exposure_;
   std::optional<CameraTwist> twist_;
-  double exposure_s_ = 0;
-  bool is_told_ = false;  // by the frame, how long it was exposed
   bool is_smeared_ = false;
 };
 

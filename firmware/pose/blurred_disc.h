@@ -87,7 +87,8 @@ class BlurredDisc {
   Eigen::Vector2f middle_ray_;     ///< of the dot
   Eigen::Matrix2f sigma_per_ray_;  ///< what a ray beside that one is in sigmas of the blur
   Eigen::Vector2f reach_;          ///< of its nodes from the middle, along either axis [sigma]
-  std::array<Node, std::max(kMostNodes, kSmearedNodes* Smear::kMostParts)> nodes_;
+  static constexpr std::size_t kMostNodesOfAll = std::max(kMostNodes, Smear::kMostParts* kSmearedNodes);
+  std::array<Node, kMostNodesOfAll> nodes_;
 };
 
 }  // namespace ninedot

@@ -40,15 +40,19 @@ constexpr double kInkByWall = 0.22;
 constexpr double kDiagonal = 0.5;          // of both coordinates of a unit vector: 30 degrees from either axis
 constexpr float kNotAtCentre_m2 = 1e-12F;  // (1 um)^2: keeps the direction at a dot's very middle finite
 
+BlurShape shape_of(double mean_px2, double cos_px2, double sin_px2) noexcept {
+  return {static_cast<float>(mean_px2), static_cast<float>(cos_px2), static_cast<float>(sin_px2)};
+}
+
 /// The outline's blur in the direction of (x, y) in the picture, of the length sqrt(length2).
 struct Blur {
   float sigma_px, per_px;
   float cos2, sin2;  ///< of twice the direction's angle
 };
-inline Blur blur_along(const DotView& v, float x, float y, float length2) noexcept {
+inline Blur blur_along(const BlurShape& shape, float x, float y, float length2) noexcept {
   const float xx = x * x, yy = y * y, per_length2 = 1 / length2;
   const float cos2 = (xx - yy) * per_length2, sin2 = 2 * x * y * per_length2;
-  const float wanted = v.blur_px2 + v.blur_cos_px2 * cos2 + v.blur_sin_px2 * sin2;
+  const float wanted = shape.mean_px2 + shape.cos_px2 * cos2 + shape.sin_px2 * sin2;
   const float sigma_px = std::sqrt(wanted > kLeastVariance_px2 ? wanted : kLeastVariance_px2);
   return {sigma_px, 1 / sigma_px, cos2, sin2};
 }
@@ -69,12 +73,15 @@ struct SideSlope {
 };
 
 /// The share of a pixel that lies beyond the side of the sheet towards (ox, oz). Its edge is blurred as an outline of
-/// its direction is.
-inline float share_beyond_side(const DotView& v, float ox, float oz, float mx, float my) noexcept {
+/// its direction is. \param line_x, line_y  by which it is drawn elsewhere [px]
+inline float share_beyond_side(const DotView& v, float ox, float oz, float mx, float my, float line_x,
+                               float line_y) noexcept {
   const SideSlope slope(v, ox, oz, mx, my);
-  const float past_m = slope.along_m - (ox * v.origin.x() + oz * v.origin.y()) - v.paper_radius_m;
+  const float length2 = slope.length2(), per_length = 1 / std::sqrt(length2);
+  const float past_px = (slope.along_m - (ox * v.origin.x() + oz * v.origin.y()) - v.paper_radius_m) * per_length;
+  const float drawn_px = (slope.x * line_x + slope.y * line_y) * per_length;
   const float z =
-      (past_m / slope.m_per_px() - v.side_offset_px) * blur_along(v, slope.x, slope.y, slope.length2()).per_px;
+      (past_px / slope.depth - drawn_px - v.side_offset_px) * blur_along(v.part_blur, slope.x, slope.y, length2).per_px;
   const float tail = normal_tail(z).tail;
   return z > 0 ? 1 - tail : tail;
 }
@@ -100,13 +107,18 @@ struct Pixels {
   Lanes ray_x, ray_y, x_px, y_px, luma, there;
 };
 
-/// The share that lies beyond the sheet's white.
+/// The share that lies beyond the sheet's white, of a sheet that is drawn once for each part of a smear.
 inline void fill_beyond(const Pixels& some, const DotView& v, Lanes& beyond) noexcept {
-  Lanes on_sheet = some.there;
-  for (const Eigen::Vector2f& side : v.beyond)
-    for (std::size_t l = 0; l < kLanes; ++l)
-      on_sheet[l] *= 1 - share_beyond_side(v, side.x(), side.y(), some.ray_x[l], some.ray_y[l]);
-  for (std::size_t l = 0; l < kLanes; ++l) beyond[l] = some.there[l] - on_sheet[l];
+  beyond = Lanes{};
+  const float per_part = 1 / v.parts;
+  for (float part = 0.5F - 0.5F * v.parts; part < 0.5F * v.parts; ++part) {
+    const float line_x = part * v.part_line_px.x(), line_y = part * v.part_line_px.y();
+    Lanes on_sheet = some.there;
+    for (const Eigen::Vector2f& side : v.beyond)
+      for (std::size_t l = 0; l < kLanes; ++l)
+        on_sheet[l] *= 1 - share_beyond_side(v, side.x(), side.y(), some.ray_x[l], some.ray_y[l], line_x, line_y);
+    for (std::size_t l = 0; l < kLanes; ++l) beyond[l] += per_part * (some.there[l] - on_sheet[l]);
+  }
 }
 
 /// What the tone curve makes of the shares of ink and of their changes; then how it changes them itself.
@@ -217,7 +229,7 @@ inline Profile profile_at(const DotView& v, float mx, float my) noexcept {
   const float gradient_y = eX * v.px_X.y() + eZ * v.px_Z.y() - along * v.px_n.y();
   const float steep2 = gradient_x * gradient_x + gradient_y * gradient_y;
   const float steep = std::sqrt(steep2), per_slope = 1 / (steep * depth);
-  const Blur blur = blur_along(v, gradient_x, gradient_y, steep2);
+  const Blur blur = blur_along(v.blur, gradient_x, gradient_y, steep2);
   const float bent = blur.sigma_px * v.bend * (depth * depth * depth) / (steep2 * steep);
   const float k1 = bent < 1 ? bent : 1, k2 = 0.5F * k1 * k1;
   const float narrowing = 1 / std::sqrt(1 + k2);
@@ -399,15 +411,18 @@ DotView::DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, 
   // A square pixel is (det N / height) depth^3 of the sheet: its outline's curvature is that squared over r slope^3.
   bend = static_cast<float>(std::pow(N.determinant() / height_m, 2) / landmark.radius_m(dot));
   paper_radius_m = static_cast<float>(landmark.paper_radius_m());
-  blur_px2 = static_cast<float>(state.blur_px2);
-  blur_cos_px2 = static_cast<float>(state.blur_cos_px2), blur_sin_px2 = static_cast<float>(state.blur_sin_px2);
+  blur = shape_of(state.blur_px2, state.blur_cos_px2, state.blur_sin_px2);
+  const Smear smear(state);
+  part_blur = shape_of(smear.blur_px2, smear.cos_px2, smear.sin_px2);
+  parts = static_cast<float>(smear.parts);
+  part_line_px = (smear.line_px / static_cast<double>(smear.parts)).cast<float>();
   // Of a dot on a diagonal the square's two sides, once one of them is near enough to be seen in its blur; before, what
   // may cover the corner beside it.
   outward = landmark.centre_m(dot).normalized().cast<float>();
   const float x = outward.x() > 0 ? 1.0F : -1.0F, z = outward.y() > 0 ? 1.0F : -1.0F;
   const auto is_seen = [&](float side_x, float side_z) {
     const SideSlope slope(*this, side_x, side_z, near_ray.x(), near_ray.y());
-    const float sigma_px = blur_along(*this, slope.x, slope.y, slope.length2()).sigma_px;
+    const float sigma_px = blur_along(blur, slope.x, slope.y, slope.length2()).sigma_px;
     const float gap_px = static_cast<float>(landmark.white_beside_m(dot)) / slope.m_per_px();
     return gap_px < std::max(kSeenBeyond_px, kSeenBeyondSigmas * sigma_px);
   };

@@ -43,6 +43,11 @@ inline constexpr std::size_t kMaxBatches = 16;
 using ColumnBatches = std::array<OutlineColumns, kMaxBatches>;
 
 /// What all pixels of a dot share, at one state.
+/// A blur's variance by its direction: OutlineState's. [px^2]
+struct BlurShape {
+  float mean_px2, cos_px2, sin_px2;
+};
+
 struct DotView {
   DotView(const OutlinePixels& pixels, const LandmarkGeometry& landmark, const OutlineState& state, std::size_t dot);
 
@@ -63,7 +68,11 @@ struct DotView {
   Eigen::Vector2f outward;  ///< from P9, along the sheet's axes [1]; 0 of P9
   float radius_m, paper_radius_m;
   float bend;  ///< what the outline's curvature times (slope / depth)^3 is, over depth^3 [1/m^3 px^2]
-  float blur_px2, blur_cos_px2, blur_sin_px2, offset_px;
+  BlurShape blur;
+  BlurShape part_blur;           ///< of each part of a Smear
+  float parts;                   ///< how many it has; 1: it is none
+  Eigen::Vector2f part_line_px;  ///< from one part's middle to the next one's
+  float offset_px;
   float side_offset_px;  ///< the sheet's sides are this much further out than at the paper's radius
   float ink_by_wall;     ///< by this share of what lies beyond in a pixel its ink is darker
   float ink_share;       ///< OutlinePixels::ink_share

@@ -73,6 +73,8 @@ struct OutlinePixels {
   /// Motion smears small dots into each other (smeared_ink.h): what the others of them take off each pixel's grey level
   /// is to be put back. [LSB]
   bool are_smeared = false;
+  /// `luma` is light, not grey levels (straighten_tone in tone.h): of a colour camera's smeared landmark.
+  bool shows_light = false;
   std::vector<float> ink_of_others_lsb;
   int visible_outlines = 0;  ///< dots of which at least a part lies inside the picture
 };

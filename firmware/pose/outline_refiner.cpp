@@ -70,7 +70,11 @@ constexpr double kCalm_px = 0.03;
 constexpr double kHeldSigma = 1e-3, kFreeSigma = 1e3;  // of offset [px] and blur [px^2] in one step
 constexpr double kOffsetSigma_px = 0.35;               // prior: an sRGB curve moves edges by 0.3 px (METHOD, section 3)
 constexpr double kHarmonicSigma_px2 = 0.6;             // prior of the blur's direction: of the mean blur's size
-constexpr double kSmearShare = 0.5;  // of the smear that is foretold: with a motion that is known to a quarter
+// Its tail is as wide as that of Student's distribution with one degree of freedom (in two dimensions: the root of
+// three). A camera that moves draws lines of any length, and a prior that won't have them makes fits take them for the
+// foreshortening of the other planar solution.
+constexpr double kTail = 1.7;
+constexpr double kSmearShare = 0.2;  // of the smear that is foretold: with a motion that is known to a tenth
 // Prior of the tone: between a linear picture and one with an sRGB curve, once the blur is wider than kNoTone_px2; from
 // kAllTone_px2 on as wide as that. Of a sharper picture it would be the offset once more, and take from the pose what
 // tells them apart.
@@ -119,6 +123,7 @@ const OptimiserStatistics& OutlineRefiner::refine(const ImageView& luma, const O
   pixels_.light_edges.fill(std::nullopt);
   tone_share_ = light == Light::kFull ? tone_share() : 0;
   pixels_.has_tone = tone_share_ > 0;
+  pixels_.shows_light = false;
   if (pixels_.has_tone) guess_tone();
   look_ = {};
   // What is about where it was foretold is seen as it was; of a guess that is not, slopes of the ink are misfit.
@@ -157,11 +162,18 @@ bool OutlineRefiner::look_again_if_stale(int stage) noexcept {
   const double band_px = stage == kRoughStage ? std::max(kRoughBand_px, band_of(state_)) : band_of(state_);
   const bool stale = look_.thinned || look_.split_since || look_.moved_px > kMovedAway_px ||
                      std::abs(band_px - look_.band_px) > kMovedAway_px;
-  if (!stale) return true;
+  const bool turns_to_light = luma_.has_pattern && !pixels_.shows_light && Smear(state_).parts > 1;
+  if (!stale && !turns_to_light) return true;
+  if (turns_to_light) {  // what the curve did to the outlines goes with it
+    pixels_.shows_light = true;
+    state_.offset_px = 0;
+    contrasts_lsb_.fill(0);
+  }
   look_ = {band_px, 0, stage == kRoughStage, false};
   const auto collect = [&](int thinning) {
     collect_outline_pixels(luma_, camera_, rays_, landmark_, state_.T_camera_landmark, band_px, thinning, cuts_,
                            state_.motion, pixels_);
+    if (pixels_.shows_light) straighten_tone({pixels_.luma.data(), pixels_.count});
     pixels_left_ -= pixels_.work_px;
   };
   collect(look_.thinned ? kRoughThinning : 1);
@@ -363,8 +375,10 @@ bool OutlineRefiner::solve_equations(double nuisance_sigma, Step& step) noexcept
   const Eigen::Vector3d smear = smear_px2(state_, camera_.fx_px);
   const double smear_sigma = kSmearShare * smear(0);
   prior(7, state_.blur_px2, kMeanBlur_px2 + smear(0), std::hypot(kMeanBlurSigma_px2, smear_sigma));
-  prior(8, state_.blur_cos_px2, smear(1), std::hypot(kHarmonicSigma_px2, smear_sigma));
-  prior(9, state_.blur_sin_px2, smear(2), std::hypot(kHarmonicSigma_px2, smear_sigma));
+  const double off_px2 = std::hypot(state_.blur_cos_px2 - smear(1), state_.blur_sin_px2 - smear(2));
+  const double harmonic_sigma = std::hypot(kHarmonicSigma_px2, smear(0) > 0 ? smear_sigma : off_px2 / kTail);
+  prior(8, state_.blur_cos_px2, smear(1), harmonic_sigma);
+  prior(9, state_.blur_sin_px2, smear(2), harmonic_sigma);
   prior(kToneUnknown, state_.tone, tone_share_ * kMeanTone, kHeldToneSigma + tone_share_ * kToneSigma);
   for (int unknown = kPoseUnknowns; unknown < kUnknowns; ++unknown) prior(unknown, 0, 0, nuisance_sigma);
   const Eigen::LDLT<UnknownMatrix> ldlt(information_);

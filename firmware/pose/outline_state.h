@@ -55,6 +55,7 @@ struct Smear {
 
 /// What `state.motion` adds to the blur while a row is exposed: its mean and second harmonic [px^2]. A line of even
 /// brightness has a twelfth of its length's square as variance. \param focal_px  of the camera
+/// Memory: none. Threads: pure.
 Eigen::Vector3d smear_px2(const OutlineState& state, double focal_px) noexcept;
 
 /// The picture that a colour camera's pattern was laid over: before interpolation blurred it, and before a tone curve

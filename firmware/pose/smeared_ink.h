@@ -11,6 +11,7 @@ namespace ninedot {
 using DotContrasts = std::array<float, kDotCount>;
 
 /// Fills OutlinePixels::ink_of_others_lsb of all groups that are whole dots. The dots are where the state says.
+/// Memory: none. Threads: one caller for each OutlinePixels.
 /// \param contrasts_lsb  of each dot, by the last fit; 0: unknown \pre the state's blur is a Smear of several parts
 void gather_ink_of_others(const LandmarkGeometry& landmark, const OutlineState& state,
                           const DotContrasts& contrasts_lsb, OutlinePixels& pixels) noexcept;

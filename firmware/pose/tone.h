@@ -11,6 +11,7 @@
 /// (IEC 61966-2-1), exact at three shares, between the grey levels of this paper and this ink; how much of it there is,
 /// t, is an unknown (OutlineState::tone): cameras have linear pictures, and curves of their own.
 #include <array>
+#include <span>
 
 namespace ninedot {
 
@@ -25,5 +26,11 @@ using ToneBend = std::array<float, 3>;
 /// > 0 [LSB] \return  none where there is no contrast [1]
 /// Memory: none. Threads: pure.
 ToneBend srgb_bend(double paper_lsb, double contrast_lsb) noexcept;
+
+/// Grey levels of a landmark's surroundings, as an sRGB curve makes them, become light, of which ink, paper, wall and
+/// all that motion smears into a pixel are sums. As bright as before where the paper is, and there with as much noise.
+/// \param luma_lsb  whole grey levels, 0..255; afterwards light, in units of the paper's grey levels [LSB]
+/// Memory: none. Threads: pure.
+void straighten_tone(std::span<float> luma_lsb) noexcept;
 
 }  // namespace ninedot

@@ -22,6 +22,9 @@ struct SightedLandmark {
   std::optional<std::size_t> coded;
   double others_odds = 0;            ///< coded: that it is another one, or none, 0..1
   NumberingCosts numbering_costs{};  ///< black and white: against the dot at index k being P1 [1]
+  /// Its dots run into each other: where it disagrees it is left out, but that rather speaks against its fit than
+  /// against the map.
+  bool is_smeared = false;
 };
 
 /// Where a track expects the camera.

@@ -240,7 +240,7 @@ WorldPose WorldSolver::answer(const Scene& scene, bool is_complete) noexcept {
   for (std::size_t i = 0; i < scene.seen().size(); ++i) pose.sightings[i] = verdict_in(scene, i, best);
   if (!pose.is_valid()) note_disputes(scene);
   if (pose.is_valid() && (!pose.is_contested || pose.ambiguity <= kSure * options_.max_ambiguity))
-    remember(pose, scene.prior() != nullptr && !pose.is_contested);
+    remember(scene, pose);
   return pose;
 }
 
@@ -256,9 +256,10 @@ void WorldSolver::note_disputes(const Scene& scene) noexcept {
   for (const WorldHypothesis& hypothesis : hypotheses_) {
     const auto one = std::ranges::find_if(hypothesis.choices, &Choice::is_made);
     const auto sighting = static_cast<std::size_t>(one - hypothesis.choices.begin());
-    if (!scene.is_known(sighting)) continue;
+    if (!scene.is_known(sighting) || scene.seen()[sighting].is_smeared) continue;
     for (const std::size_t other : scene.by_sureness()) {
       if (!scene.is_known(other) || scene.seen()[other].coded == scene.seen()[sighting].coded) continue;
+      if (scene.seen()[other].is_smeared) continue;
       const double beyond =
           disagreement_chi2(scene, other, coded_choice(scene, other), hypothesis) - options_.max_disagreement_chi2;
       if (!(beyond > 0)) continue;
@@ -268,9 +269,12 @@ void WorldSolver::note_disputes(const Scene& scene) noexcept {
   }
 }
 
-/// \param is_by_track  a track agrees that stands on others
-void WorldSolver::remember(const WorldPose& pose, bool is_by_track) noexcept {
-  for (const SightingVerdict& sighting : pose.sightings) {
+/// Of a picture that leaves no doubt: who is where the map says, and who is not.
+void WorldSolver::remember(const Scene& scene, const WorldPose& pose) noexcept {
+  // A track agrees that stands on others.
+  const bool is_by_track = scene.prior() != nullptr && !pose.is_contested;
+  for (std::size_t i = 0; i < scene.seen().size(); ++i) {
+    const SightingVerdict& sighting = pose.sightings[i];
     if (sighting.use == SightingUse::kUsed && (hypotheses_[0].used > 1 || (is_by_track && pose.agrees_with_prior)))
       moved_.agrees(*sighting.landmark);
     if (sighting.use != SightingUse::kRejected || !sighting.landmark) continue;
@@ -278,7 +282,7 @@ void WorldSolver::remember(const WorldPose& pose, bool is_by_track) noexcept {
     if (uses(hypotheses_[0], *sighting.landmark)) continue;
     if (sighting.chi2_against_rest <= options_.max_disagreement_chi2)
       moved_.agrees(*sighting.landmark);
-    else
+    else if (!scene.seen()[i].is_smeared)
       moved_.disagrees(*sighting.landmark, sighting.chi2_against_rest - options_.max_disagreement_chi2);
   }
 }

@@ -49,7 +49,7 @@ class WorldSolver {
   bool start_without_coded(const Scene& scene, int sighted, HypothesisList& list) noexcept;
   WorldPose answer(const Scene& scene, bool is_complete) noexcept;
   void note_disputes(const Scene& scene) noexcept;
-  void remember(const WorldPose& pose, bool is_by_track) noexcept;
+  void remember(const Scene& scene, const WorldPose& pose) noexcept;
 
   PreparedMap map_;
   LandmarkGeometry landmark_;

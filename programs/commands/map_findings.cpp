@@ -106,8 +106,9 @@ std::string map_summary(const BuiltMap& map, const MapStart& start) {
 
 std::string map_wish(const BuiltMap& map) {
   if (!map.weakest) return {};
-  return fmt::format("a picture that shows {} and {} together would help most: they are certain to {:.2g} mm",
-                     map.weakest->a, map.weakest->b, map.weakest->sigma_m / kMetresPerMm);
+  const double sigma_mm = map.weakest->sigma_m / kMetresPerMm;
+  return fmt::format("a picture that shows {} and {} together would help most: they are certain to {:.{}f} mm",
+                     map.weakest->a, map.weakest->b, sigma_mm, sigma_mm < 10 ? 1 : 0);
 }
 
 }  // namespace ninedot

@@ -105,6 +105,29 @@ TEST(LandmarkSeeker, IsTheLessSureOfTwoFramesTheFartherTheyAreApart) {
   EXPECT_LT(unit.rate_sigma_rad_s(), 0.07);
 }
 
+/// A fit that begins where nothing is goes astray for long: a search has to be possible after it.
+TEST(LandmarkSeeker, LeavesPixelsForASearchWhereALookFindsNothing) {
+  const test::Picture picture = picture_of({test::nine_dot_sheet()}, kDistance_m);
+  LandmarkSeeker seeker(CameraModel{}, {});
+  Frame frame;
+  frame.luma = picture.view();
+  frame.set_exposure(MonoTime(1s), 4ms);
+  constexpr int kPixels = 26'000;
+  int most_taken = 0;
+  for (const double aside_m : {-0.06, -0.03, 0.03, 0.06})
+    for (const double further : {0.8, 1.1, 1.4}) {
+      seeker.begin(frame, WorkBudget{.pixels = kPixels}, {});
+      CameraFromLandmark there;
+      there.rotation << -1, 0, 0, 0, 0, -1, 0, -1, 0;
+      there.translation_m = {aside_m, 0, further * kDistance_m};
+      Track track{TrackOptions{}};
+      (void)seeker.look_at(there, track);
+      most_taken = std::max(most_taken, kPixels - seeker.budget().pixels);
+    }
+  EXPECT_GT(most_taken, kPixels / 8) << "it did look";
+  EXPECT_LT(most_taken, kPixels / 2);
+}
+
 /// A camera that begins to turn: the speed is what it is at the last frame, not between the two or as it was foretold.
 TEST(LandmarkSeeker, KnowsTheSpeedOfTheFrameItselfWhereThatGrows) {
   constexpr double kStep_s = 0.028;

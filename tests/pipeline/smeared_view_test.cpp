@@ -4,14 +4,19 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
+#include <iostream>
 #include <memory>
 #include <optional>
 #include <random>
 #include <vector>
 
+#include "pipeline/localiser.h"
 #include "pipeline/room_localiser.h"
 #include "tests/pipeline/three_sheets.h"
 #include "tests/support/allocation_counter.h"
@@ -31,26 +36,33 @@ constexpr int kFrames = 27;
 /// Three sheets 4.3 m away, and a camera that looks to and fro, by up to 160 degrees per second.
 class LookingAround {
  public:
-  LookingAround() {
-    map_ = test::hang_three_sheets(room_, {-0.8, 0.1, 0.9}, {1.75, 1.1, 1.5});
+  /// \param seed  of where the sheets hang and the camera stands; 0: as is told here
+  explicit LookingAround(unsigned seed) {
+    std::mt19937 random(seed);
+    const auto about = [&](double middle, double up_to) {
+      return seed == 0 ? middle : std::uniform_real_distribution(middle - up_to, middle + up_to)(random);
+    };
+    const std::array along_m{about(-0.8, 0.15), about(0.1, 0.15), about(0.9, 0.15)};
+    map_ = test::hang_three_sheets(room_, along_m, {about(1.75, 0.15), about(1.1, 0.15), about(1.5, 0.15)});
+    camera_m_ = {about(-0.3, 0.3), about(0.1, 0.5), about(1.35, 0.1)};
     set_noise(sensor_, 1.5);
     const test::RoomRenderer renderer(room_, lens_, sensor_);
     const test::Shutter shutter{kExposure_s, 0, test::kSanitized ? 2 : 14};
     for (int number = 0; number < kFrames; ++number)
       pictures_.push_back(
           read_out(renderer.expose([&](double after_s) { return camera_at(number / kRate_hz + after_s); }, shutter),
-                   sensor_, test::ChromaLayout::k420, static_cast<std::uint64_t>(number)));
+                   sensor_, test::ChromaLayout::k420, std::uint64_t{1000} * seed + static_cast<std::uint64_t>(number)));
   }
 
   static double yaw_rad(double time_s) { return 0.35 * std::sin(8 * time_s); }
   static double rate_rad_s(int number) { return 0.35 * 8 * std::cos(8 * number / kRate_hz); }
-  static test::CameraPose camera_at(double time_s) {
+  test::CameraPose camera_at(double time_s) const {
     const Eigen::Vector3d ahead(std::cos(yaw_rad(time_s)), std::sin(yaw_rad(time_s)), 0);
     const Eigen::Vector3d right = ahead.cross(Eigen::Vector3d::UnitZ());
     Eigen::Matrix3d level;
     level << right, ahead.cross(right), ahead;
     const Eigen::Quaterniond q(level);
-    return {{-0.3, 0.1, 1.35}, {q.w(), q.x(), q.y(), q.z()}};
+    return {camera_m_, {q.w(), q.x(), q.y(), q.z()}};
   }
 
   Frame frame(int number, bool tells_exposure) const {
@@ -82,11 +94,12 @@ class LookingAround {
   test::Sensor sensor_;
   test::Room room_;
   LandmarkMap map_;
+  std::array<double, 3> camera_m_{};
   std::vector<test::ColourPicture> pictures_;
 };
 
 const LookingAround& looking_around() {
-  static const LookingAround room;
+  static const LookingAround room(0);
   return room;
 }
 
@@ -131,11 +144,38 @@ TEST(ExposureBelief, IsWhatLinesSayThatLandmarksDraw) {
 
 struct Seen {
   int shown = 0, named = 0, wrong = 0, placed = 0, beyond_5_sigma = 0;  ///< of the smeared frames
+  int valid = 0, wrong_of_all = 0, rejected = 0;  ///< of all; rejected: by the others, in their places
+  double outwards_px =
+      0;  ///< sum over those named: by how much the dots beside its sides were too far out, along the line
+  double line_share = 0;  ///< likewise: of the line that they drew, how much was found
 };
 
+/// Dots beside the sheet's left and right sides, rightwards those of the right: P2, P3, P4 and P6, P7, P8.
+double outwards_px(const LandmarkFix& fix, const test::CameraPose& at, const CameraModel& camera,
+                   const WorldFromLandmark& T_world_landmark) {
+  const auto& [w, x, y, z] = at.quaternion_wxyz;
+  const Eigen::Quaterniond R_world_camera(w, x, y, z);
+  double sum_px = 0;
+  int count = 0;
+  for (std::size_t dot = 0; dot < kRingDotCount; ++dot) {
+    const Eigen::Vector2d C = LandmarkGeometry{}.centre_m(dot);
+    const DotSighting& seen = fix.sighting.dots[dot];
+    if (std::abs(C.x()) < 0.01 || seen.information.isZero(0)) continue;
+    const Eigen::Vector3d p_m = R_world_camera.conjugate() * (T_world_landmark * Eigen::Vector3d(C.x(), 0, C.y()) -
+                                                              Eigen::Vector3d(at.position_m.data()));
+    const double right_px = camera.fx_px * (seen.ray.x() - p_m.x() / p_m.z());
+    sum_px += C.x() > 0 ? -right_px : right_px;  // X0 is to the left
+    ++count;
+  }
+  return count > 0 ? sum_px / count : 0;
+}
+
+Eigen::Vector3d error_of(const LookingAround& room, const Fix& fix) {
+  return fix.world->T_world_camera.translation_m - Eigen::Vector3d(room.camera_at(0).position_m.data());
+}
+
 /// \param tracks  else each picture is all that is known of where the landmarks are
-Seen look_around(bool tells_exposure, bool tracks) {
-  const LookingAround& room = looking_around();
+Seen look_around(const LookingAround& room, bool tells_exposure, bool tracks) {
   RoomLocaliser unit(room.camera(), {.row_time = 0ns, .tracking = tracks, .map = room.map()});
   Seen seen;
   // Twice: what recordings don't say is known the second time.
@@ -145,12 +185,23 @@ Seen look_around(bool tells_exposure, bool tracks) {
     const test::AllocationGuard guard;
     const Fix& fix = unit.process(frame);
     EXPECT_EQ(guard.allocations(), 0U) << number;
+    seen.rejected += static_cast<int>(fix.rejected.size());
+    if (fix.world) {
+      ++seen.valid;
+      seen.wrong_of_all += error_of(room, fix).norm() > 0.4;
+    }
     if (number < kFrames || room.line_px(number % kFrames) < 7) continue;
     seen.shown += room.in_view(number % kFrames);
     seen.named += static_cast<int>(fix.landmarks.size());
+    for (const LandmarkFix& landmark : fix.landmarks) {
+      const OutlineState& outlines = landmark.candidates.list[landmark.chosen].outlines;
+      const double aside = landmark.sighting.T_camera_landmark.translation_m.hnormalized().x();
+      seen.line_share += Smear(outlines).line_px.norm() / (room.line_px(number % kFrames) * (1 + aside * aside));
+      seen.outwards_px += outwards_px(landmark, room.camera_at(number % kFrames / kRate_hz), room.camera(),
+                                      room.map().landmarks()[landmark.id - std::size_t{1}].T_world_landmark);
+    }
     if (!fix.world) continue;
-    const Eigen::Vector3d error_m =
-        fix.world->T_world_camera.translation_m - Eigen::Vector3d(LookingAround::camera_at(0).position_m.data());
+    const Eigen::Vector3d error_m = error_of(room, fix);
     ++seen.placed;
     seen.wrong += error_m.norm() > 0.4;
     seen.beyond_5_sigma +=
@@ -186,6 +237,14 @@ TEST(SmearedView, LearnsHowLongPicturesAreExposedThatDoNotSay) {
   EXPECT_NEAR(view.exposure_s(), kExposure_s, 1e-4) << "what hardly moves says nothing";
   EXPECT_TRUE(view.is_smeared());
   EXPECT_TRUE(view.twist());
+  // A track knows it to a few per cent, or has lost the camera.
+  CameraTwist tracked;
+  tracked.angular_velocity_rad_s = {0.01, -room.rate_rad_s(15), 0};
+  view.begin(room.frame(15, false), camera, tracked);
+  EXPECT_EQ(view.twist()->angular_velocity_rad_s, tracked.angular_velocity_rad_s);
+  tracked.angular_velocity_rad_s = {0.01, room.rate_rad_s(16), 0};
+  view.begin(room.frame(16, false), camera, tracked);
+  EXPECT_NEAR(view.twist()->angular_velocity_rad_s.y(), -room.rate_rad_s(16), 0.4);
   view.begin(room.frame(20, true), camera, {});
   EXPECT_EQ(view.exposure_s(), kExposure_s) << "as it says";
   Frame small = room.frame(21, true);
@@ -198,7 +257,7 @@ TEST(SmearedView, LearnsHowLongPicturesAreExposedThatDoNotSay) {
 
 TEST(SmearedView, FindsLandmarksWhoseDotsRunTogether) {
   for (const bool tells_exposure : {true, false}) {
-    const Seen seen = look_around(tells_exposure, true);
+    const Seen seen = look_around(looking_around(), tells_exposure, true);
     if (test::kSanitized) continue;  // of two pictures, which are no line
     EXPECT_GT(seen.shown, 25);
     EXPECT_GT(seen.named, 0.6 * seen.shown) << tells_exposure;
@@ -208,12 +267,97 @@ TEST(SmearedView, FindsLandmarksWhoseDotsRunTogether) {
   }
 }
 
-// Without a track nothing helps but the picture as if it were not smeared: else four of five are found.
+// Without a track nothing helps but the picture as if it were not smeared, where it says how long it was exposed: else
+// four of five are found.
 TEST(SmearedView, FindsThemInOnePictureByItself) {
-  const Seen seen = look_around(true, false);
+  for (const bool tells_exposure : {true, false}) {
+    const Seen seen = look_around(looking_around(), tells_exposure, false);
+    if (test::kSanitized) continue;
+    EXPECT_GT(seen.named, (tells_exposure ? 0.9 : 0.7) * seen.shown);
+    EXPECT_GT(seen.placed, 7);
+    EXPECT_EQ(seen.wrong, 0);
+    EXPECT_EQ(seen.beyond_5_sigma, 0);
+    // A tone curve whose light was taken for grey levels put them too far out by 0.14 px.
+    EXPECT_NEAR(seen.outwards_px / seen.named, 0, 0.07) << tells_exposure;
+    EXPECT_NEAR(seen.line_share / seen.named, 1, 0.05) << tells_exposure;
+  }
+}
+
+/// More rooms: NINEDOT_SMEARED_ROOMS, two by default.
+TEST(SmearedView, NoRoomsPlacesAreWrong) {
+  const char* const asked = std::getenv("NINEDOT_SMEARED_ROOMS");
+  const unsigned rooms = asked != nullptr ? static_cast<unsigned>(std::max(std::atoi(asked), 1)) : 2;
+  Seen sum;
+  int beyond = 0;
+  for (unsigned seed = 1; seed <= rooms && !test::kSanitized; ++seed) {
+    const LookingAround room(seed);
+    for (const bool tells_exposure : {true, false})
+      for (const bool tracks : {true, false}) {
+        const Seen seen = look_around(room, tells_exposure, tracks);
+        sum.shown += seen.shown, sum.named += seen.named, sum.placed += seen.placed, sum.wrong += seen.wrong;
+        sum.valid += seen.valid, sum.wrong_of_all += seen.wrong_of_all, sum.rejected += seen.rejected;
+        beyond += seen.beyond_5_sigma;
+      }
+  }
   if (test::kSanitized) return;
-  EXPECT_GT(seen.named, 0.9 * seen.shown);
-  EXPECT_EQ(seen.wrong, 0);
+  std::cout << "smeared by 7 px and more: " << sum.named << " of " << sum.shown << " landmarks named, " << sum.placed
+            << " pictures with a place, of which " << sum.wrong << " wrong and " << beyond
+            << " beyond 5 sigma; of all pictures " << sum.valid << " with a place, of which " << sum.wrong_of_all
+            << " wrong, and " << sum.rejected << " landmarks rejected\n";
+  EXPECT_GT(sum.named, 0.7 * sum.shown);
+  EXPECT_EQ(sum.wrong_of_all, 0);
+  EXPECT_LE(beyond, sum.placed / 100);
+  EXPECT_LE(sum.rejected, sum.valid / 50);
+}
+
+/// A black-and-white sheet, and the camera of LookingAround.
+TEST(SmearedView, OneLandmarkAloneIsFittedAsALineAsWell) {
+  const LookingAround& room = looking_around();
+  test::Room wall;
+  wall.wall = {0.4, 0.1, 0.1, 7};
+  const test::HungLandmark hung{test::RoomSide::kHighX, 0, 1.35, test::inks_of_code("KKKKKKKK")};
+  wall.landmarks.push_back(hung);
+  const test::Lens lens;
+  test::Sensor sensor;
+  set_noise(sensor, 1.5);
+  const test::RoomRenderer renderer(wall, lens, sensor);
+  std::vector<test::ColourPicture> pictures;
+  for (int number = 0; number < kFrames; ++number)
+    pictures.push_back(
+        read_out(renderer.expose([&](double after_s) { return room.camera_at(number / kRate_hz + after_s); },
+                                 {kExposure_s, 0, test::kSanitized ? 2 : 14}),
+                 sensor, test::ChromaLayout::k420, static_cast<std::uint64_t>(number)));
+  const auto truth = room.camera_at(0).position_m;
+  const Eigen::Vector3d camera_m =
+      test::axes_of(hung.side).transpose() * (Eigen::Vector3d(truth.data()) - test::place_of(wall, hung));
+  for (const bool tells_exposure : {true, false}) {
+    Localiser unit(test::pinhole_of(lens), {.row_time = 0ns});
+    int valid = 0, beyond_6_sigma = 0;
+    double exposure_s = 0;
+    for (int number = 0; number < 2 * kFrames; ++number) {
+      const std::size_t at = static_cast<std::size_t>(number % kFrames);
+      Frame frame;
+      frame.number = static_cast<std::uint64_t>(number);
+      frame.luma = pictures[at].luma.view(), frame.chroma = pictures[at].chroma();
+      const auto time = std::chrono::nanoseconds(std::llround(1e9 * static_cast<double>(at) / kRate_hz));
+      frame.set_exposure(MonoTime(5s + time + number / kFrames * 10s), tells_exposure ? 5ms : 0ms);
+      const test::AllocationGuard guard;
+      const Fix& fix = unit.process(frame);
+      EXPECT_EQ(guard.allocations(), 0U) << number;
+      if (fix.landmarks.empty()) continue;
+      exposure_s = fix.main().row_motion.sheet.exposure_s;
+      if (fix.main().verdict != Reason::kNone) continue;
+      ++valid;
+      const PoseEstimate& pose = fix.main().pose();
+      const Eigen::Array3d sigmas = (pose.T_landmark_camera.translation_m - camera_m).array() /
+                                    pose.covariance.topLeftCorner<3, 3>().diagonal().array().sqrt();
+      beyond_6_sigma += (sigmas.abs() > 6).any();
+    }
+    if (test::kSanitized) continue;
+    EXPECT_NEAR(exposure_s, kExposure_s, tells_exposure ? 1e-9 : 6e-4) << "as told, or learned";
+    EXPECT_GT(valid, 10);
+    EXPECT_EQ(beyond_6_sigma, 0);
+  }
 }
 
 }  // namespace

@@ -129,7 +129,7 @@ TEST(OutlineColumns, ADotOnADiagonalSeesBothSidesOnceOneIsNearInThePicture) {
 
 /// A dot beside a side of the sheet, 4 m away, in a picture that is grey all over.
 struct DotBesideASide {
-  explicit DotBesideASide(double blur_px2) {
+  explicit DotBesideASide(double blur_px2, std::size_t dot = 2) {
     state.T_camera_landmark = sheet_from(4, 0);
     state.blur_px2 = blur_px2;
     const CameraModel camera;
@@ -137,7 +137,7 @@ struct DotBesideASide {
     const std::vector<std::uint8_t> grey(static_cast<std::size_t>(camera.width_px * camera.height_px), 128);
     collect_outline_pixels({grey.data(), camera.width_px, camera.height_px, camera.width_px}, camera, rays, {},
                            state.T_camera_landmark, 3, 1, {}, {}, pixels);
-    beside = std::ranges::find(std::as_const(pixels).groups.span(), 2, &OutlineGroup::dot);
+    beside = std::ranges::find(std::as_const(pixels).groups.span(), dot, &OutlineGroup::dot);
   }
   std::vector<double> shares(std::size_t column) const { return shares_of(pixels, *beside, state, column); }
 
@@ -166,6 +166,28 @@ TEST(OutlineColumns, TheSheetsSidesAreFurtherOutWhereTheToneHasDotsSmaller) {
   dot.pixels.has_pattern = false;
   dot.pixels.has_tone = true;
   EXPECT_EQ(beyond_px(-0.4), without_px) << "the tone's own column has it";
+}
+
+// Taken for a Gaussian's, a side that is drawn along a line was off by a twentieth of the wall's step, and moved the
+// dots beside it by a tenth of a pixel.
+TEST(OutlineColumns, TheSheetsSidesAreDrawnAlongALineWhereMotionSmears) {
+  constexpr double kSharp_px2 = 0.8, kLine_px = 9, kDistance_m = 4;
+  constexpr int kSteps = 90;
+  DotBesideASide dot(kSharp_px2);
+  const double x_m = dot.state.T_camera_landmark.translation_m.x(), px_m = kDistance_m / CameraModel{}.fx_px;
+  std::vector<double> drawn(static_cast<std::size_t>(dot.beside->count));
+  for (int step = 0; step < kSteps; ++step) {
+    dot.state.T_camera_landmark.translation_m.x() = x_m + ((step + 0.5) / kSteps - 0.5) * kLine_px * px_m;
+    const std::vector<double> shares = dot.shares(kBeyondColumn);
+    for (std::size_t i = 0; i < drawn.size(); ++i) drawn[i] += shares[i] / kSteps;
+  }
+  dot.state.T_camera_landmark.translation_m.x() = x_m;
+  dot.state.blur_px2 += kLine_px * kLine_px / 24, dot.state.blur_cos_px2 = kLine_px * kLine_px / 24;
+  const std::vector<double> smeared = dot.shares(kBeyondColumn);
+  double worst = 0;
+  for (std::size_t i = 0; i < drawn.size(); ++i) worst = std::max(worst, std::abs(smeared[i] - drawn[i]));
+  EXPECT_GT(std::ranges::max(drawn), 0.3);
+  EXPECT_LT(worst, 0.012);
 }
 
 // Ink and wall in one pixel: an sRGB curve takes more off its grey level than off those of either alone. Of a camera

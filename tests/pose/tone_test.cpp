@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <tuple>
+#include <vector>
 
 #include "pose/outline_refiner.h"
 #include "tests/pose/first_fit.h"
@@ -37,6 +38,25 @@ TEST(Tone, BendsSharesOfInkAsAnSrgbCurveDoes) {
 TEST(Tone, OfLightThatIsAllOneIsNone) {
   const ToneBend none{};
   EXPECT_EQ(srgb_bend(120, 0), none);
+}
+
+TEST(Tone, StraightenedIsLight) {
+  for (const double paper_light : {0.12, 0.4, 0.9}) {
+    const auto grey_of = [&](double share_of_paper) {
+      return std::round(test::grey_from_light(share_of_paper * paper_light, test::ToneCurve::kSrgb));
+    };
+    // Mostly paper, as about a landmark; a little is brighter, and the rest is mixed with ink, or wall.
+    std::vector<float> luma(60, static_cast<float>(grey_of(1)));
+    for (const double share : {1.05, 0.8, 0.6, 0.4, 0.2})
+      for (int i = 0; i < 4; ++i) luma.push_back(static_cast<float>(grey_of(share)));
+    const std::vector<float> before = luma;
+    straighten_tone(luma);
+    EXPECT_EQ(luma[0], before[0]) << "the paper is as bright as it was";
+    const auto light = [&](std::size_t mixture) { return static_cast<double>(luma[60 + 4 * mixture]); };
+    EXPECT_NEAR((light(1) - light(2)) / (light(1) - light(4)), 1 / 3.0, 0.02) << paper_light;
+    EXPECT_NEAR((light(2) - light(3)) / (light(1) - light(4)), 1 / 3.0, 0.02) << paper_light;
+    EXPECT_NEAR((luma[60] - before[60]) / (before[60] - before[0]), 0, 0.05) << "noise of paper is as large as it was";
+  }
 }
 
 // Taken for an offset of all outlines, the curve displaced the blurred dots against P9 so far that the pose was 15 mm

@@ -284,6 +284,30 @@ TEST(WorldMoved, IsRememberedWhereNothingContradictsItAndForgivenAfterItAgreed) 
   EXPECT_FALSE(solver.moved().is_moved(1));
 }
 
+/// What a smeared landmark says against the map its fit may have made: it is left out of the picture, and no more.
+TEST(WorldMoved, ASmearedSheetIsLeftOutAndNotNamed) {
+  Random random(19);
+  const Room room = test::random_room(random, {.landmarks = 3, .farthest_m = 3, .most_tilt_rad = 50 * kDeg});
+  auto seen = sightings_with_moved(random, room, 1);
+  seen[1].is_smeared = true;
+  WorldSolver solver(room.map, {});
+  const WorldPose pose = solver.solve(seen);
+  ASSERT_TRUE(pose.is_valid());
+  EXPECT_EQ(pose.sightings[1].use, SightingUse::kRejected);
+  EXPECT_FALSE(solver.moved().is_moved(1));
+  // Nor are two that contradict each other in dispute, whichever of them it is.
+  for (const bool first : {true, false}) {
+    std::array pair{moved_sighting(random, room, 1), test::sightings_of(random, room)[0]};
+    WorldSolver of_two(room.map, {});
+    pair[first ? 0 : 1].is_smeared = true;
+    ASSERT_FALSE(of_two.solve(pair).is_valid());
+    EXPECT_EQ(of_two.moved().disputed(), 0U) << first;
+    pair[first ? 0 : 1].is_smeared = false;
+    ASSERT_FALSE(of_two.solve(pair).is_valid());
+    EXPECT_EQ(of_two.moved().disputed(), 2U);
+  }
+}
+
 /// Small dots' colours tell the landmark, and not always which of them is P1: it hangs where the map says all the same.
 TEST(WorldMoved, ASheetWhoseColoursWereMisreadWasNotMoved) {
   Random random(17);
