@@ -25,6 +25,13 @@ double uneven_rad(double line_px, const CameraModel& camera) noexcept { return k
 /// By how much the variances are larger.
 double variance_factor(double line_px) noexcept { return std::max(1.0, std::pow(line_px / kFaithful_px, 2)); }
 
+/// The camera about its own centre, each axis, and with it what it says of the landmark. \param variance  [rad^2]
+void turn(PoseEstimate& pose, double variance) noexcept {
+  pose.covariance.topLeftCorner<3, 3>().diagonal().array() +=
+      variance * pose.T_landmark_camera.translation_m.squaredNorm();
+  pose.covariance.bottomRightCorner<3, 3>().diagonal().array() += variance;
+}
+
 }  // namespace
 
 void widen(LandmarkSighting& sighting, const RowUncertainty& rows, const CameraModel& camera, bool may_move) noexcept {
@@ -51,9 +58,7 @@ void widen(PoseEstimate& pose, const RowUncertainty& rows, const CameraModel& ca
   const double turn_rad = rows.of_motion_rad * (row_px - rows.middle_row_px);
   // From row to row the picture is sheared by rate times row time times focal length: about as much of a turn.
   const double shear_rad = rows.of_motion_rad * camera.fy_px;
-  pose.covariance.topLeftCorner<3, 3>().diagonal().array() +=
-      (turn_rad * turn_rad + shear_rad * shear_rad) * t_m.squaredNorm();
-  pose.covariance.bottomRightCorner<3, 3>().diagonal().array() += turn_rad * turn_rad + shear_rad * shear_rad;
+  turn(pose, turn_rad * turn_rad + shear_rad * shear_rad);
 }
 
 void widen_by_scatter(LandmarkSighting& sighting, const LandmarkGeometry& landmark) noexcept {
@@ -74,9 +79,7 @@ void widen_by_smear(LandmarkSighting& sighting, const OutlineState& outlines, co
 void widen_by_smear(PoseEstimate& pose, const OutlineState& outlines, const CameraModel& camera) noexcept {
   const double line_px = line_of(outlines), turn_rad = uneven_rad(line_px, camera);
   pose.covariance *= variance_factor(line_px);
-  pose.covariance.topLeftCorner<3, 3>().diagonal().array() +=
-      turn_rad * turn_rad * pose.T_landmark_camera.translation_m.squaredNorm();
-  pose.covariance.bottomRightCorner<3, 3>().diagonal().array() += turn_rad * turn_rad;
+  turn(pose, turn_rad * turn_rad);
 }
 
 }  // namespace ninedot

@@ -107,8 +107,9 @@ std::string map_summary(const BuiltMap& map, const MapStart& start) {
 std::string map_wish(const BuiltMap& map) {
   if (!map.weakest) return {};
   const double sigma_mm = map.weakest->sigma_m / kMetresPerMm;
-  return fmt::format("a picture that shows {} and {} together would help most: they are certain to {:.{}f} mm",
-                     map.weakest->a, map.weakest->b, sigma_mm, sigma_mm < 10 ? 1 : 0);
+  const std::string certain = sigma_mm < 10 ? fmt::format("{:.2g}", sigma_mm) : fmt::format("{:.0f}", sigma_mm);
+  return fmt::format("a picture that shows {} and {} together would help most: they are certain to {} mm",
+                     map.weakest->a, map.weakest->b, certain);
 }
 
 }  // namespace ninedot

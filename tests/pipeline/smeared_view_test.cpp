@@ -285,11 +285,12 @@ TEST(SmearedView, FindsThemInOnePictureByItself) {
 
 /// More rooms: NINEDOT_SMEARED_ROOMS, two by default.
 TEST(SmearedView, HardlyAnyPlaceOfManyRoomsIsWrong) {
+  if (test::kSanitized) return;  // of two pictures, which are no line: allocations and bounds the others ask
   const char* const asked = std::getenv("NINEDOT_SMEARED_ROOMS");
   const unsigned rooms = asked != nullptr ? static_cast<unsigned>(std::max(std::atoi(asked), 1)) : 2;
   Seen sum;
   int beyond = 0;
-  for (unsigned seed = 1; seed <= rooms && !test::kSanitized; ++seed) {
+  for (unsigned seed = 1; seed <= rooms; ++seed) {
     const LookingAround room(seed);
     for (const bool tells_exposure : {true, false})
       for (const bool tracks : {true, false}) {
@@ -299,7 +300,6 @@ TEST(SmearedView, HardlyAnyPlaceOfManyRoomsIsWrong) {
         beyond += seen.beyond_5_sigma;
       }
   }
-  if (test::kSanitized) return;
   std::cout << "smeared by 7 px and more: " << sum.named << " of " << sum.shown << " landmarks named, " << sum.placed
             << " pictures with a place, of which " << sum.wrong << " wrong and " << beyond
             << " beyond 5 sigma; of all pictures " << sum.valid << " with a place, of which " << sum.wrong_of_all

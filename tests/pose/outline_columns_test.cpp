@@ -129,7 +129,7 @@ TEST(OutlineColumns, ADotOnADiagonalSeesBothSidesOnceOneIsNearInThePicture) {
 
 /// A dot beside a side of the sheet, 4 m away, in a picture that is grey all over.
 struct DotBesideASide {
-  explicit DotBesideASide(double blur_px2, std::size_t dot = 2) {
+  explicit DotBesideASide(double blur_px2) {
     state.T_camera_landmark = sheet_from(4, 0);
     state.blur_px2 = blur_px2;
     const CameraModel camera;
@@ -137,7 +137,7 @@ struct DotBesideASide {
     const std::vector<std::uint8_t> grey(static_cast<std::size_t>(camera.width_px * camera.height_px), 128);
     collect_outline_pixels({grey.data(), camera.width_px, camera.height_px, camera.width_px}, camera, rays, {},
                            state.T_camera_landmark, 3, 1, {}, {}, pixels);
-    beside = std::ranges::find(std::as_const(pixels).groups.span(), dot, &OutlineGroup::dot);
+    beside = std::ranges::find(std::as_const(pixels).groups.span(), 2, &OutlineGroup::dot);
   }
   std::vector<double> shares(std::size_t column) const { return shares_of(pixels, *beside, state, column); }
 
