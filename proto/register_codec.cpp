@@ -215,6 +215,7 @@ void put_commands(Writer& out, const CommandRegisters& commands) noexcept {
   out.put<reg::kPanSetPoint>(commands.pan_set_point_deg);
   out.put<reg::kTiltSetPoint>(commands.tilt_set_point_deg);
   out.put<reg::kClientWatchdog>(static_cast<double>(commands.client_watchdog.count()));
+  out.put<reg::kGiveWay>(commands.give_way ? 1 : 0);
 }
 
 void put_identity(Writer& out, RegisterBlock& block, const DeviceIdentity& identity) noexcept {

@@ -26,7 +26,7 @@ struct RegisterCodecOptions {
   std::chrono::nanoseconds stale_after = std::chrono::milliseconds(500);  ///< older poses are stale, and not valid
 };
 
-/// Registers 100-107 as one client sees them.
+/// Registers 100-107 and 167 as one client sees them.
 struct CommandRegisters {
   std::uint16_t command = 0, sequence = 0;
   std::uint16_t acknowledge = 0;  ///< sequence number of the last command that has ended
@@ -34,6 +34,7 @@ struct CommandRegisters {
   bool hold = false;
   double pan_set_point_deg = 0, tilt_set_point_deg = 0;
   std::chrono::milliseconds client_watchdog{};
+  bool give_way = false;
 };
 
 /// Who this device is: the same for as long as the service runs.

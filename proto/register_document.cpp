@@ -59,7 +59,7 @@ std::string range_text(const RegisterEntry& entry) {
   return fmt::format("{}..{}", entry.lowest, entry.highest);
 }
 
-static_assert(kRegisterCount == 167, "the texts below say where the map ends");
+static_assert(kRegisterCount == 168, "the texts below say where the map ends");
 constexpr std::string_view kMarkdownHead = R"(# Register map
 
 Made by `ninedot registers --format md` from the table in `proto/register_map.h`; do not edit.
@@ -67,7 +67,7 @@ Made by `ninedot registers --format md` from the table in `proto/register_map.h`
 Addresses are 0-based, as on the wire; a tool that counts from 1 (mbpoll without `-0`, 40001-style notation) needs one
 more. Function codes 03 (holding registers) and 04 (input registers) show the same contents, because controllers differ
 in what they can read. One request reads at most 125 registers: from 0 on all but the angles and who the
-device is, from 42 on all with them. The map ends at address 166. **Whatever one reply holds is from one frame.**
+device is, from 42 on all with them. The map ends at address 167. **Whatever one reply holds is from one frame.**
 
 Try it:
 
@@ -129,15 +129,19 @@ gives back what was written. A request that writes several registers is carried 
   valid in the first place. Set-points and commands are shared by all clients.
 - **Client watchdog** belongs to the client as well: if it is armed and the client sends no request in time, or its
   connection ends, the head goes back to following the landmark and the watchdog is off again.
+- **Give way** (167) belongs to the client, too: a client that wrote 1 there never overwrites what another one has
+  commanded. Its commands and set-points are refused (06) while another client has written any since its own last read;
+  it reads again, sees what they are, and writes or leaves it. `ninedot-web`'s page is such a client.
 
 ## Exceptions
 
 | code | when |
 |---|---|
 | 01 | a function code other than 03 and 04, or 06 and 16 while writes are enabled |
-| 02 | an address beyond 166, or a write to a register that is not marked `rw` |
+| 02 | an address beyond 167, or a write to a register that is not marked `rw` |
 | 03 | a quantity of 0 or above 125 (write: 123), a request whose length is wrong, a written value out of range |
 | 04 | a command that this device can't carry out (no pan/tilt head) |
+| 06 | a command or set-point of a client that gives way (167), and another one's came first |
 
 ## Addresses of devices and lines
 

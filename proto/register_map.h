@@ -27,7 +27,7 @@ inline constexpr std::size_t kBoardSerialLength = 16;
 
 /// Every address has an entry. From here on: exception 02. One request of 125 registers (the protocol's limit) reads
 /// all but the angles, who the device is, and its servos.
-inline constexpr std::size_t kRegisterCount = 167;
+inline constexpr std::size_t kRegisterCount = 168;
 
 // The map without the metrics, which have their own table.
 // clang-format off
@@ -130,6 +130,7 @@ inline constexpr auto kOwnRegisters = [] {
   {164, "landmarks_disputed",  kU16,       1,      "",     0,        kU16Max, kRead, "landmarks of the map that contradict each other, with nothing that says which of them hangs elsewhere: none of them places the camera alone"},
   {165, "disputed_id_1",       kU16,       1,      "",     0,        kU16Max, kRead, "one of these; 65535: none"},
   {166, "disputed_id_2",       kU16,       1,      "",     0,        kU16Max, kRead, "another one; 65535: none"},
+  {167, "give_way",            kU16,       1,      "",     0,        1,       kReadWrite, "1: what this client writes to 100, 101, 105 and 106 is refused while another one has written there since this one last read; 0: it is carried out"},
   });
 }();
 // clang-format on
@@ -243,6 +244,7 @@ NINEDOT_REGISTER(kHold, "hold");
 NINEDOT_REGISTER(kPanSetPoint, "pan_set_point");
 NINEDOT_REGISTER(kTiltSetPoint, "tilt_set_point");
 NINEDOT_REGISTER(kClientWatchdog, "client_watchdog");
+NINEDOT_REGISTER(kGiveWay, "give_way");
 #undef NINEDOT_REGISTER
 }  // namespace reg
 

@@ -9,6 +9,7 @@ namespace {
 
 /// libmodbus's own numbers lie far above those of the operating system.
 tl::unexpected<Error> failure(int error) noexcept {
+  if (error == EMBXSBUSY) return fail(Errc::kIo, "another client has written there first", EBUSY);
   if (error > MODBUS_ENOBASE && error <= EMBXGTAR)
     return fail(Errc::kIo, "the server refused the request with a Modbus exception");
   if (error > MODBUS_ENOBASE) return fail(Errc::kIo, "the server's answer is no valid Modbus reply");

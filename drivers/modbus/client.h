@@ -24,7 +24,8 @@ class ModbusTcpClient {
   /// \error kIo: refused (an exception), no answer in time, or the connection is over. Connect again.
   Result<void> read_registers(std::uint16_t first, std::span<std::uint16_t> registers) noexcept;
 
-  /// Function code 16. \error as read_registers
+  /// Function code 16. \error as read_registers; os_errno is EBUSY where another client came first (register
+  /// `give_way`)
   Result<void> write_registers(std::uint16_t first, std::span<const std::uint16_t> values) noexcept;
 
  private:

@@ -23,6 +23,13 @@ double decode_one(std::uint16_t address, std::uint16_t value) noexcept {
   return decode_value(*find_register(address), std::span(&value, 1), {});
 }
 
+// What all clients share.
+bool touches_commands(std::uint16_t first, std::size_t count) noexcept {
+  const auto contains = [&](std::uint16_t address) { return first <= address && address < first + count; };
+  return contains(reg::kCommand) || contains(reg::kCommandSequence) || contains(reg::kPanSetPoint) ||
+         contains(reg::kTiltSetPoint);
+}
+
 }  // namespace
 
 RegisterBank::RegisterBank(const WireSource& source, const ModbusOptions& options, Clock clock) noexcept
@@ -61,9 +68,11 @@ RegisterBlock RegisterBank::read(ClientSession& session) noexcept {
   {
     const std::lock_guard lock(mutex_);
     state.commands = commands_;
+    session.seen_writes = writes_;
   }
   state.commands.hold = session.held.has_value();
   state.commands.client_watchdog = session.watchdog;
+  state.commands.give_way = session.gives_way;
   state.writes_enabled = options_.allow_writes;
   state.identity = options_.identity;
   state.now = clock_();  // after the report was taken, so that no age is negative
@@ -81,7 +90,8 @@ std::optional<ModbusException> RegisterBank::write(ClientSession& session, std::
     if (!is_in_range(*entry, values[i])) return ModbusException::kIllegalValue;
   }
   const std::lock_guard lock(mutex_);
-  if (const auto refusal = refusal_of_command(first, values)) return refusal;
+  if (const auto refusal = refusal_of_command(session, first, values)) return refusal;
+  if (touches_commands(first, values.size())) session.seen_writes = ++writes_;
   // The sequence number last: it starts the command, with the set-points of the same request.
   constexpr std::uint16_t kStart = reg::kCommandSequence;
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -90,8 +100,10 @@ std::optional<ModbusException> RegisterBank::write(ClientSession& session, std::
   return std::nullopt;
 }
 
-std::optional<ModbusException> RegisterBank::refusal_of_command(std::uint16_t first,
+std::optional<ModbusException> RegisterBank::refusal_of_command(const ClientSession& session, std::uint16_t first,
                                                                 std::span<const std::uint16_t> values) const noexcept {
+  const bool is_overtaken = session.gives_way && session.seen_writes != writes_;
+  if (is_overtaken && touches_commands(first, values.size())) return ModbusException::kDeviceBusy;
   const auto written = [&](std::uint16_t address, std::uint16_t otherwise) {
     return first <= address && address < first + values.size() ? values[address - first] : otherwise;
   };
@@ -135,6 +147,9 @@ void RegisterBank::apply(ClientSession& session, std::uint16_t address, std::uin
       break;
     case reg::kClientWatchdog:
       session.watchdog = std::chrono::milliseconds(value);
+      break;
+    case reg::kGiveWay:
+      session.gives_way = value != 0;
       break;
     default:
       EXPECTS(false && "a writable register without a meaning");

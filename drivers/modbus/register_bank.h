@@ -21,6 +21,7 @@ enum class ModbusException : std::uint8_t {
   kIllegalAddress = 2,
   kIllegalValue = 3,
   kDeviceFailure = 4,
+  kDeviceBusy = 6,
 };
 
 /// What belongs to one client: a TCP connection, or the serial line. Threads: one, that of its server.
@@ -29,6 +30,8 @@ struct ClientSession {
   MonoTime held_until{};
   std::chrono::milliseconds watchdog{};  ///< 0: off
   MonoTime last_request_at{};
+  bool gives_way = false;
+  std::uint64_t seen_writes = 0;  ///< RegisterBank's count when this client last read, or wrote itself
 };
 
 /// What each one means: proto/metrics.h. Threads: the servers' count, any reads; each one is right by itself, and two
@@ -89,7 +92,7 @@ class RegisterBank {
   void fire_watchdog(ClientSession& session) noexcept;
   void release_expired_hold(ClientSession& session) const noexcept;
   void apply(ClientSession& session, std::uint16_t address, std::uint16_t value) noexcept;
-  std::optional<ModbusException> refusal_of_command(std::uint16_t first,
+  std::optional<ModbusException> refusal_of_command(const ClientSession& session, std::uint16_t first,
                                                     std::span<const std::uint16_t> values) const noexcept;
   std::uint32_t connected_clients(MonoTime now) const noexcept;
   void add_own_metrics(MonoTime now, MetricValues& metrics) const noexcept;
@@ -100,6 +103,7 @@ class RegisterBank {
 
   std::mutex mutex_;  // guards what follows
   CommandRegisters commands_;
+  std::uint64_t writes_ = 0;  // of commands and set-points, whoever's
   std::optional<ClientCommand> waiting_command_;
   bool follow_waiting_ = false;
 };

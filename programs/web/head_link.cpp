@@ -1,6 +1,7 @@
 #include "programs/web/head_link.h"
 
 #include <algorithm>
+#include <cerrno>
 
 #include "base/aim_state.h"
 #include "proto/register_codec.h"
@@ -25,7 +26,7 @@ std::array<std::uint16_t, 2> words_of(const HeadDegrees& to) {
 
 Result<void> HeadLink::failure(const Error& error) {
   // An answer that comes late must not be taken for the next one's.
-  close();
+  if (error.os_errno != EBUSY) close();
   return tl::unexpected<Error>(error);
 }
 
@@ -37,8 +38,9 @@ Result<HeadView> HeadLink::look() {
   }
   std::array<std::uint16_t, kRead> words{};
   std::array<std::uint16_t, 1> state{};
+  // The commands last: whoever writes one after that is given way to.
   const Result<void> done =
-      client_->read_registers(0, words).and_then([&] { return client_->read_registers(reg::kHeadState, state); });
+      client_->read_registers(reg::kHeadState, state).and_then([&] { return client_->read_registers(0, words); });
   if (!done) return tl::unexpected<Error>(failure(done.error()).error());
   const RegisterReader reader(words);
   if (!reader.is_ninedot()) {
@@ -57,6 +59,12 @@ Result<HeadView> HeadLink::look() {
   view.failed = reader.status(status_bit::kServoFault);
   view.follows_by_state = follows(static_cast<AimState>(state[0]));
   if (!is_of_page(view)) next_one_ = static_cast<std::uint16_t>(seen_ + 1);
+  if (left_) return view;
+  left_ = {view.command, view.sequence, view.set_points};
+  if (!view.writes_enabled) return view;
+  constexpr std::array<std::uint16_t, 1> kYes{1};
+  if (const Result<void> asked = client_->write_registers(reg::kGiveWay, kYes); !asked)
+    return tl::unexpected<Error>(failure(asked.error()).error());
   return view;
 }
 
@@ -70,6 +78,8 @@ Result<void> HeadLink::command(Command command) {
   const std::array<std::uint16_t, 2> words{static_cast<std::uint16_t>(command), next_sequence()};
   if (const Result<void> done = client_->write_registers(reg::kCommand, words); !done) return failure(done.error());
   seen_ = words[1];
+  left_->command = command;
+  left_->sequence = seen_;
   return {};
 }
 
@@ -77,8 +87,10 @@ Result<void> HeadLink::point(const HeadDegrees& to) {
   if (!client_) return fail(Errc::kIo, "no Modbus connection");
   const std::array<std::uint16_t, 2> words = words_of(to);
   if (const Result<void> done = client_->write_registers(reg::kPanSetPoint, words); !done) return failure(done.error());
-  told_ = words;
-  return command(Command::kPoint);
+  left_->set_points = words;
+  const Result<void> done = command(Command::kPoint);
+  if (done) told_ = words;
+  return done;
 }
 
 Result<void> HeadLink::follow() {
@@ -89,7 +101,7 @@ Result<void> HeadLink::follow() {
 bool HeadLink::has_told(const HeadDegrees& to) const noexcept { return told_ == words_of(to); }
 
 bool HeadLink::is_overruled(const HeadView& view) const noexcept {
-  return told_ && (view.command != Command::kPoint || !is_of_page(view) || view.set_points != *told_);
+  return left_ && *left_ != Commanded{view.command, view.sequence, view.set_points};
 }
 
 bool HeadLink::is_of_page(const HeadView& view) noexcept {

@@ -34,17 +34,19 @@ class HeadLink {
 
   /// Connects first where there is no connection. \error kIo: no answer, or no ninedotd of this version
   Result<HeadView> look();
-  /// After a look(). \error kIo: refused, or no answer
+  /// After a look(). \error kIo: refused, or no answer; os_errno is EBUSY where somebody else has commanded it since:
+  /// look again
   Result<void> point(const HeadDegrees& to);
   Result<void> follow();
   void close() noexcept {
     client_.reset();
     told_.reset();
+    left_.reset();
   }
 
   /// Where point() would send the head has been said already.
   bool has_told(const HeadDegrees& to) const noexcept;
-  /// Somebody else has written a command, or set-points, since point().
+  /// Somebody else has written a command, or set-points, since the connection's first look() or what was sent last.
   bool is_overruled(const HeadView& view) const noexcept;
   /// It stands where a page sent it; this one or one of another process of ours.
   static bool is_of_page(const HeadView& view) noexcept;
@@ -60,6 +62,14 @@ class HeadLink {
   std::uint16_t seen_ = 0;      // register 101, as it is
   std::uint16_t next_one_ = 0;  // what a controller that counts by itself writes next, most likely
   std::optional<std::array<std::uint16_t, 2>> told_;
+  /// Command, number and set-points as they were first found, or as they were written last.
+  struct Commanded {
+    Command command = Command::kNone;
+    std::uint16_t sequence = 0;
+    std::array<std::uint16_t, 2> set_points{};
+    bool operator==(const Commanded&) const = default;
+  };
+  std::optional<Commanded> left_;
 };
 
 }  // namespace ninedot

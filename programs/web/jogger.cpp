@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 
 #include "base/json_text.h"
 #include "programs/assembly/modbus_options.h"
@@ -235,6 +236,7 @@ std::chrono::milliseconds Jogger::serve_held(Lock& lock) {
     lock.unlock();
     const Result<void> done = link_.point(to);
     lock.lock();
+    if (!done && done.error().os_errno == EBUSY) return kAtOnce;
     if (!done) lease_.give_back(std::string("The service does not take commands: ") + done.error().text, now);
   }
   return moves ? kPeriod : kStandingPeriod;

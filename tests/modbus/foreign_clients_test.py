@@ -143,8 +143,8 @@ class ChecksOfTheKnownReport:
 
     def test_mistakes_get_their_exceptions(self):
         method = self.client.read_holding_registers
-        self.assertEqual(exception_code(method(167, count=1, **unit_argument(method))), 2)
-        self.assertEqual(exception_code(method(166, count=2, **unit_argument(method))), 2)
+        self.assertEqual(exception_code(method(168, count=1, **unit_argument(method))), 2)
+        self.assertEqual(exception_code(method(167, count=2, **unit_argument(method))), 2)
         self.assertEqual(exception_code(write(self.client, 10, [1])), 2)
         self.assertEqual(exception_code(write(self.client, 104, [2])), 3)
 

@@ -232,6 +232,34 @@ TEST_F(ModbusRequest, ACommandThatNobodyCanCarryOutIsException04AndAnUnknownOne0
   EXPECT_EQ(registers_of(ask(read_pdu(100, 4))), (std::vector<std::uint16_t>{0, 0, 0, 0}));
 }
 
+TEST_F(ModbusRequest, AClientThatGivesWayOverwritesNoCommandThatItHasNotSeen) {
+  const Bytes busy = exception(16, ModbusException::kDeviceBusy), done{16, 0, 100, 0, 2};
+  ClientSession polite;
+  const auto read = [&] { return registers_of(ask(read_pdu(100, 7), polite)); };
+  (void)ask(write_pdu(reg::kGiveWay, {1}), polite);
+  EXPECT_EQ(registers_of(ask(read_pdu(reg::kGiveWay, 1), polite)).at(0), 1);
+  EXPECT_EQ(read_one(reg::kGiveWay), 0) << "nobody else's";
+  for (const std::vector<unsigned>& theirs : {std::vector<unsigned>{reg::kCommand, 1, 5},
+                                              {reg::kCommand, 1},
+                                              {reg::kPanSetPoint, 4500},
+                                              {reg::kTiltSetPoint, 77, 400}}) {
+    const auto first = static_cast<std::uint16_t>(theirs[0]);
+    (void)ask(write_pdu(first, {theirs.begin() + 1, theirs.end()}));
+    const std::vector<std::uint16_t> as_written = registers_of(ask(read_pdu(100, 7)));
+    EXPECT_EQ(ask(write_pdu(reg::kPanSetPoint, {1, 2}), polite), busy) << first;
+    EXPECT_EQ(ask(write_pdu(reg::kTiltSetPoint, {2}), polite), busy) << first;
+    EXPECT_EQ(ask(write_pdu(reg::kCommand, {1, 99}), polite), busy) << first;
+    EXPECT_EQ(ask(write_pdu(reg::kClientWatchdog, {50}), polite), (Bytes{16, 0, 107, 0, 1})) << "its own";
+    EXPECT_EQ(read(), as_written);
+    EXPECT_EQ(ask(write_pdu(reg::kPanSetPoint, {1, 2}), polite), (Bytes{16, 0, 105, 0, 2})) << "it has read them";
+    EXPECT_EQ(ask(write_pdu(reg::kCommand, {1, first}), polite), done) << "its own write is no other's";
+    EXPECT_EQ(read(), (std::vector<std::uint16_t>{1, first, as_written[2], 1, 0, 1, 2}));
+  }
+  EXPECT_EQ(ask(write_pdu(reg::kCommand, {1, 6})), done) << "who does not give way";
+  (void)ask(write_pdu(reg::kGiveWay, {0}), polite);
+  EXPECT_EQ(ask(write_pdu(reg::kCommand, {1, 7}), polite), done);
+}
+
 TEST_F(ModbusRequest, ASilentClientsWatchdogFiresOnce) {
   (void)write_one(reg::kClientWatchdog, 300);
   now_ += std::chrono::milliseconds(299);

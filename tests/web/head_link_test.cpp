@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cerrno>
+
 #include "drivers/modbus/server.h"
 #include "tests/proto/known_report.h"
 
@@ -110,8 +112,40 @@ TEST_F(WebHeadLink, SeesThatAnotherOneCommands) {
   EXPECT_TRUE(is_overruled_after(reg::kPanSetPoint, {4500})) << "about to send it elsewhere";
   EXPECT_FALSE(is_overruled_after(reg::kHold, {1}));
   link().close();
+  EXPECT_FALSE(link().is_overruled(*link().look())) << "as it was found";
+  write(reg::kCommand, {2, 19});
+  EXPECT_TRUE(link().is_overruled(*link().look())) << "before the page said anything";
+  link().close();
   const auto view = link().look();
   EXPECT_FALSE(link().is_overruled(*view)) << "what was told is forgotten with the connection";
+}
+
+TEST_F(WebHeadLink, NeverOverwritesWhatItHasNotSeen) {
+  const auto is_refused_after = [&](std::uint16_t first, std::vector<std::uint16_t> values, auto&& command) {
+    EXPECT_TRUE(link().look());
+    EXPECT_TRUE(link().point({10, 0}));
+    (void)server_->try_take_command();
+    EXPECT_TRUE(link().look());
+    write(first, values);
+    const auto theirs = server_->try_take_command();
+    EXPECT_EQ(command().error().os_errno, EBUSY);
+    EXPECT_FALSE(server_->try_take_command()) << "the controller's has the last word";
+    const auto view = link().look();
+    EXPECT_TRUE(view && link().is_overruled(*view));
+    link().close();
+    return theirs;
+  };
+  const auto point = [&] { return link().point({11, 0}); };
+  const auto follow = [&] { return link().follow(); };
+  EXPECT_EQ(is_refused_after(reg::kCommand, {2, 17}, point)->sequence, 17);
+  EXPECT_EQ(is_refused_after(reg::kCommand, {3, 18}, follow)->sequence, 18);
+  EXPECT_FALSE(is_refused_after(reg::kPanSetPoint, {4500, 300}, point));
+  // Whose command comes now, for the set-points that it wrote.
+  write(reg::kCommand, {2, 19});
+  const auto theirs = server_->try_take_command();
+  ASSERT_TRUE(theirs);
+  EXPECT_NEAR(theirs->pan_rad * 180 / std::numbers::pi, 45, 1e-9);
+  EXPECT_NEAR(theirs->tilt_rad * 180 / std::numbers::pi, 3, 1e-9);
 }
 
 TEST_F(WebHeadLink, SaysWhatFails) {

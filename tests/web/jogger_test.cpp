@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <optional>
 #include <vector>
 
 #include "drivers/modbus/client.h"
 #include "drivers/modbus/server.h"
+#include "tests/modbus/relay.h"
 #include "tests/proto/known_report.h"
 
 namespace ninedot {
@@ -154,6 +156,36 @@ TEST_F(WebJogger, AHeadWhoseSetPointsAreWrittenWithoutACommandGoesBack) {
   write(reg::kPanSetPoint, {4500});
   EXPECT_TRUE(becomes("A controller commands the head"));
   EXPECT_TRUE(soon([&] { return newest() == Command::kFollow; }));
+}
+
+// Whatever the page was about to write when the controller's request came.
+TEST_F(WebJogger, AControllersCommandIsNeverLost) {
+  std::atomic<unsigned> overtaken_at{0};
+  std::atomic<bool> writes_all{false};
+  std::atomic<std::uint16_t> number{0};
+  test::Relay relay(server_->tcp_port(), [&](unsigned first) {
+    if (first != overtaken_at) return;
+    overtaken_at = 0;
+    write(reg::kPanSetPoint, {4500, 300});
+    if (writes_all) write(reg::kCommand, {2, ++number});
+  });
+  options_.port = relay.port();
+  start();
+  for (const bool whole : {true, false})
+    for (const unsigned first : {unsigned{reg::kPanSetPoint}, unsigned{reg::kCommand}}) {
+      take();
+      writes_all = whole;
+      overtaken_at = first;
+      ASSERT_TRUE(soon([&] { return jog(25) == 409U; })) << first;
+      EXPECT_TRUE(says("A controller commands the head")) << first;
+      if (!whole) write(reg::kCommand, {2, ++number});
+      ASSERT_TRUE(becomes("\"phase\":\"free\""));
+      EXPECT_EQ(newest(), Command::kPoint);
+      EXPECT_NEAR(pan_rad_, 45 * std::numbers::pi / 180, 1e-9) << "where the controller sent it, at " << first;
+      write(reg::kCommand, {1, static_cast<std::uint16_t>(1000 + number)});
+      tell(AimState::kTrack);
+    }
+  jogger_.reset();
 }
 
 TEST_F(WebJogger, AnInhibitedHeadIsSentNowhere) {
