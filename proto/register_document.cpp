@@ -131,7 +131,8 @@ gives back what was written. A request that writes several registers is carried 
   connection ends, the head goes back to following the landmark and the watchdog is off again.
 - **Give way** (167) belongs to the client, too: a client that wrote 1 there never overwrites what another one has
   commanded. Its commands and set-points are refused (06) while another client has written any since its own last read;
-  it reads again, sees what they are, and writes or leaves it. `ninedot-web`'s page is such a client.
+  it reads again, sees what they are, and writes or leaves it. It ends when 0 is written, or the connection ends.
+  `ninedot-web`'s page is such a client.
 
 ## Exceptions
 

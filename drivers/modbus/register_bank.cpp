@@ -172,6 +172,7 @@ std::optional<MonoTime> RegisterBank::check_watchdog(ClientSession& session) noe
 }
 
 void RegisterBank::client_left(ClientSession& session) noexcept {
+  session.gives_way = false;
   if (session.watchdog.count() != 0) fire_watchdog(session);
 }
 

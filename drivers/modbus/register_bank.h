@@ -70,7 +70,7 @@ class RegisterBank {
   /// Fires the session's watchdog if its time is over. \return  when to call again, nothing while it is off
   /// Threads: as `read`.
   std::optional<MonoTime> check_watchdog(ClientSession& session) noexcept;
-  /// The client is gone; an armed watchdog fires. Threads: as `read`.
+  /// The client is gone; an armed watchdog fires, and whoever comes next does not give way. Threads: as `read`.
   void client_left(ClientSession& session) noexcept;
 
   /// The newest one not yet taken; what it took the place of is forgotten.

@@ -8,6 +8,7 @@
 
 #include "base/contract.h"
 #include "geometry/renumbered.h"
+#include "pipeline/fix_uncertainty.h"
 #include "pipeline/picture_row_time.h"
 #include "pipeline/report_reason.h"
 #include "world/map_changes.h"
@@ -164,14 +165,8 @@ void Localiser::add_fix(const PoseCandidates& candidates, std::size_t chosen, Re
   fix.id = landmark.id;
   fix.candidates = candidates;
   fix.chosen = chosen;
-  PoseEstimate& widened = fix.candidates.list[chosen].pose;
-  fix.sighting = {fix.id, widened.T_landmark_camera.inverse(), fix.candidates.list[chosen].dots};
-  fix.row_motion = lens_->seeker.row_motion();
-  widened.covariance += row_time_share(fix.sighting, fix.row_motion.sheet, fix_.row_time.sigma_s,
-                                       options_.seeker.landmark, lens_->seeker.camera());
-  widen(widened, fix.row_motion.uncertainty, lens_->seeker.camera());
-  widen_by_smear(fix.sighting, fix.candidates.list[chosen].outlines, lens_->seeker.camera());
-  widen_by_smear(widened, fix.candidates.list[chosen].outlines, lens_->seeker.camera());
+  set_sighting(fix, lens_->seeker.row_motion(), fix_.row_time.sigma_s, options_.seeker.landmark,
+               lens_->seeker.camera());
   add_calibration_error(fix);
   const PoseEstimate& pose = fix.pose();
   fix.T_world_camera = landmark.T_world_landmark * pose.T_landmark_camera;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "geometry/renumbered.h"
+#include "pipeline/fix_uncertainty.h"
 #include "pipeline/picture_row_time.h"
 #include "pipeline/room_localiser.h"
 #include "pose/mirror_image.h"
@@ -172,15 +173,9 @@ void RoomLocaliser::add_fix(const InView& landmark, std::size_t map_index, const
   fix.candidates = turn == 0 ? landmark.candidates
                              : renumbered(landmark.candidates, turn, lens_->seeker.camera(), options_.seeker.landmark);
   fix.chosen = landmark.chosen;
+  set_sighting(fix, landmark.row_motion, row_time_.now().sigma_s, options_.seeker.landmark, lens_->seeker.camera());
   PoseEstimate& pose = fix.candidates.list[fix.chosen].pose;
   const bool is_used = world.is_valid() && verdict.use == SightingUse::kUsed;
-  fix.sighting = {mapped.id, pose.T_landmark_camera.inverse(), fix.candidates.list[fix.chosen].dots};
-  widen_by_smear(fix.sighting, fix.candidates.list[fix.chosen].outlines, lens_->seeker.camera());
-  fix.row_motion = landmark.row_motion;
-  widen(pose, landmark.row_motion.uncertainty, lens_->seeker.camera());
-  widen_by_smear(pose, fix.candidates.list[fix.chosen].outlines, lens_->seeker.camera());
-  pose.covariance += row_time_share(fix.sighting, fix.row_motion.sheet, row_time_.now().sigma_s,
-                                    options_.seeker.landmark, lens_->seeker.camera());
   if (lens_->calibration_error.is_known()) {
     const Matrix6d share = lens_->calibration_error.share_of(fix.candidates.list[fix.chosen]);
     pose.covariance += share;

@@ -258,6 +258,10 @@ TEST_F(ModbusRequest, AClientThatGivesWayOverwritesNoCommandThatItHasNotSeen) {
   EXPECT_EQ(ask(write_pdu(reg::kCommand, {1, 6})), done) << "who does not give way";
   (void)ask(write_pdu(reg::kGiveWay, {0}), polite);
   EXPECT_EQ(ask(write_pdu(reg::kCommand, {1, 7}), polite), done);
+  (void)ask(write_pdu(reg::kGiveWay, {1}), polite);
+  (void)ask(write_pdu(reg::kCommand, {1, 8}));
+  bank_->client_left(polite);
+  EXPECT_EQ(ask(write_pdu(reg::kCommand, {1, 9}), polite), done) << "whoever is on the serial line next";
 }
 
 TEST_F(ModbusRequest, ASilentClientsWatchdogFiresOnce) {
