@@ -114,7 +114,8 @@ double most_misfit_px(const PoseCandidate& candidate, int dots, double noise_lsb
 
 /// Discs of the landmark's sizes, and none printed elsewhere.
 /// \param misfit_share  root mean square of what their outlines are off, in shares of the most that it may be
-bool are_discs(const PoseCandidate& candidate, bool is_coloured, double misfit_share) noexcept {
+/// \param inwards_share  how far they lie inwards, likewise
+bool are_discs(const PoseCandidate& candidate, bool is_coloured, double misfit_share, double inwards_share) noexcept {
   const OutlineShape& shape = candidate.shape;
   if (shape.absent != 0 || shape.hollow != 0 || shape.spots >= kLeastSpots) return false;
   if (shape.centre_ink < kLeastCentreInk) return false;
@@ -124,9 +125,11 @@ bool are_discs(const PoseCandidate& candidate, bool is_coloured, double misfit_s
     const double semi_axes_px2 = square(radius_px) * foreshortening(candidate.outlines.T_camera_landmark);
     return kMostFourth + kFourthPerBlur * wide_of(candidate, semi_axes_px2);
   };
-  InlineVector<double, 7> shares;  // of what each may be
+  InlineVector<double, 8> shares;  // of what each may be
   const auto add = [&](double amount, double most) { (void)shares.try_push_back(amount / most); };
   add(misfit_share, 1);
+  // Of dots whose shape nobody can tell their size is all that is left: rings of another radius have another one.
+  if (shape.is_unknown) add(inwards_share, 1);
   add(shape.size, kMostSize + (is_coloured ? kColouredSize : 0));
   add(shape.second, kMostSecond + kPerAlong * along);
   add(shape.fourth, most_fourth(candidate.dot_radius_px));
@@ -246,13 +249,14 @@ bool fits_picture(const PoseCandidate& candidate, const PictureNoise& noise, con
       candidate.pose.rms_px / (most_misfit_px(candidate, dots, std::sqrt(noise_lsb2)) + allowance.misfit_px);
   const double blur_px = std::sqrt(std::max(candidate.outlines.blur_px2, 0.0));
   const double offset_px = candidate.outlines.offset_px;
-  if (!(offset_px >= -kMostInwards * blur_px - kMostOffset_px)) return false;
+  const double inwards_share = -offset_px / (kMostInwards * blur_px + kMostOffset_px);
+  if (!(inwards_share <= 1)) return false;
   const double radius_px = candidate.dot_radius_px;
   if (!(offset_px <= kMostOutwards * blur_px + kMostOffset_px + kDotGain * radius_px)) return false;
   if (!(offset_px <= kLargerDots * radius_px + kOffsetSigmas * candidate.offset_sigma_px)) return false;
   if (!(fit.paper_lsb - fit.contrast_lsb >= kDarkestInk_lsb)) return false;
   if (!is_plausibly_hidden(candidate.visible_share)) return false;
-  if (!are_discs(candidate, allowance.is_coloured, misfit_share)) return false;
+  if (!are_discs(candidate, allowance.is_coloured, misfit_share, std::max(inwards_share, 0.0))) return false;
   return fit.residual_lsb <= kMostResidual * fit.contrast_lsb &&
          fit.residual_lsb * fit.residual_lsb <= kFitNoise * kFitNoise * noise_lsb2 + light_lsb * light_lsb;
 }

@@ -4,11 +4,12 @@
 
 namespace ninedot::test {
 
-/// \param report  in: of the frame before; out: of this one
+/// \param report  in: of the frame before; out: of this one \param chroma  empty: of a camera without colours
 inline void process_picture(FrameProcessor& unit, const ImageView& luma, MonoTime exposed_at, std::uint64_t number,
-                            Report& report) {
+                            Report& report, const ChromaView& chroma = {}) {
   Frame frame;
   frame.luma = luma;
+  frame.chroma = chroma;
   frame.number = number;
   frame.set_exposure(exposed_at);
   report = next_report(report, frame, unit.process(frame), {.now = exposed_at});

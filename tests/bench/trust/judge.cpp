@@ -21,6 +21,8 @@ CameraModel camera_of(const test::Lens& lens) {
   return camera;
 }
 
+constexpr std::uint8_t kNoColour = 128;
+
 // Of this thread alone: others may run beside it.
 double processor_ms() {
   timespec now{};
@@ -62,14 +64,19 @@ void compare(const ClaimedPose& claimed, const Shot& shot, Verdict& verdict) {
   if (shot.bound_m > 0) verdict.error_over_bound = verdict.error_m / shot.bound_m;
 }
 
-std::vector<Verdict> judge(const Strip& strip) {
+std::vector<Verdict> judge(const Strip& strip, CameraKind camera) {
   const std::unique_ptr<FrameProcessor> processor = processor_for(strip);
   Report report;
   std::vector<Verdict> verdicts;
   for (std::size_t i = 0; i < strip.shots.size(); ++i) {
     const Shot& shot = strip.shots[i];
+    const std::vector<std::uint8_t> grey(shot.picture.pixels.size() / 4, kNoColour);
+    const int width = shot.picture.width_px / 2, height = shot.picture.height_px / 2;
+    const ChromaView chroma =
+        camera == CameraKind::kColour ? ChromaView{grey.data(), grey.data(), width, height, 1, width} : ChromaView{};
     const double begin_ms = processor_ms();
-    test::process_picture(*processor, shot.picture.view(), MonoTime(std::chrono::seconds(1) + shot.at), i, report);
+    test::process_picture(*processor, shot.picture.view(), MonoTime(std::chrono::seconds(1) + shot.at), i, report,
+                          chroma);
     Verdict verdict;
     verdict.work_ms = processor_ms() - begin_ms;
     verdict.shown = shot.truth.has_value();

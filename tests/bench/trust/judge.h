@@ -26,10 +26,13 @@ inline constexpr double kSigmas = 6;
 /// position, and the turn that moves the sheet as far, 0.01 rad, for the rotation.
 inline constexpr double kWrong = 0.01;
 
+/// What says of a picture that it may have colours. There are none in these.
+enum class CameraKind : std::uint8_t { kGrey, kColour };
+
 /// One verdict per shot, by `Localiser` with its defaults. Of a strip in a room by `RoomLocaliser`, with a map of one
 /// black-and-white sheet: whatever looks like a landmark must be that one, and says where the camera is.
 /// Threads: independent of each other.
-std::vector<Verdict> judge(const Strip& strip);
+std::vector<Verdict> judge(const Strip& strip, CameraKind camera = CameraKind::kGrey);
 
 /// Holds one pose against the truth: fills all of the verdict from `wrong` on but the work.
 struct ClaimedPose {

@@ -20,10 +20,12 @@ namespace {
 constexpr const char* kUsage =
     "usage: trust [--seed N] [--frames N] [--only TEXT] [--half tune|held|both] [--photographs FOLDER] [--out "
     "FILE.md]\n"
-    "             [--csv FILE] [--save FOLDER] [--threads N]\n"
+    "             [--camera grey|colour] [--csv FILE] [--save FOLDER] [--threads N]\n"
     "  --seed N             another seed, other drawn pictures (1)\n"
     "  --frames N           pictures of each drawn kind (100)\n"
     "  --only TEXT          the kinds and groups whose name has TEXT in it\n"
+    "  --camera KIND        grey, or colour: the same pictures as one with colours gives them, fitted otherwise "
+    "(grey)\n"
     "  --half HALF          of the photographs: to tune by one, and hold the other back (both)\n"
     "  --photographs FOLDER made by tests/bench/trust/photographs.sh (build/photographs); all of them, whatever "
     "--frames\n"
@@ -40,6 +42,7 @@ struct Options {
   int frames = 100;
   std::string only;
   std::string half = "both";
+  CameraKind camera = CameraKind::kGrey;
   std::filesystem::path photographs = "build/photographs";
   std::filesystem::path out, csv, save;
   std::vector<std::filesystem::path> read;
@@ -62,6 +65,8 @@ bool parse(const std::vector<std::string_view>& arguments, Options& options) {
       options.only = value;
     } else if (name == "--half" && (value == "tune" || value == "held" || value == "both")) {
       options.half = value;
+    } else if (name == "--camera" && (value == "grey" || value == "colour")) {
+      options.camera = value == "colour" ? CameraKind::kColour : CameraKind::kGrey;
     } else if (name == "--photographs") {
       options.photographs = value;
     } else if (name == "--out") {
@@ -110,6 +115,7 @@ std::string command_of(const Options& options) {
   if (options.seed != usual.seed) command += fmt::format(" --seed {}", options.seed);
   if (options.frames != usual.frames) command += fmt::format(" --frames {}", options.frames);
   if (options.half != usual.half) command += fmt::format(" --half {}", options.half);
+  if (options.camera == CameraKind::kColour) command += " --camera colour";
   if (!options.only.empty()) command += fmt::format(" --only '{}'", options.only);
   for (const auto& file : options.read) command += fmt::format(" --read {}", file.filename().string());
   return command;
@@ -130,6 +136,7 @@ bool write_page(const Options& options, const std::string& page) {
 // \return  false: said on standard error
 bool draw_and_judge(const Options& options, const std::vector<Job>& jobs, Tallies& tallies) {
   RunOptions how{static_cast<unsigned>(options.threads),
+                 options.camera,
                  nullptr,
                  options.save,
                  options.save_all,

@@ -31,7 +31,7 @@ class Collector {
   }
 
   void take(std::size_t job, const Strip& strip) {
-    const std::vector<Verdict> verdicts = judge(strip);
+    const std::vector<Verdict> verdicts = judge(strip, options_.camera);
     for (std::size_t frame = 0; frame < verdicts.size(); ++frame) {
       const Verdict& v = verdicts[frame];
       tallies_[job][strip.kind].add(v);

@@ -3,12 +3,14 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "tests/bench/trust/judge.h"
 #include "tests/bench/trust/tally.h"
 
 namespace ninedot::bench {
 
 struct RunOptions {
   unsigned threads = 1;
+  CameraKind camera = CameraKind::kGrey;
   std::FILE* csv = nullptr;      ///< a line per picture
   std::filesystem::path save{};  ///< PNG of every picture that is wrong and valid; empty: none
   bool save_all = false;         ///< of every picture

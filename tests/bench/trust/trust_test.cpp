@@ -84,6 +84,9 @@ TEST(Judge, ALandmarkThatIsThereIsValidAndRight) {
   EXPECT_FALSE(verdict.wrong);
   EXPECT_GT(verdict.nees, 0);
   EXPECT_GT(verdict.work_ms, 0);
+  const Verdict coloured = judge(strip_of(scene, scene.camera), CameraKind::kColour).front();
+  EXPECT_TRUE(coloured.valid && !coloured.wrong);
+  EXPECT_NE(coloured.error_m, verdict.error_m) << "it is fitted otherwise";
 }
 
 TEST(Judge, ALandmarkWhereNoneShouldBeIsWrongAndValid) {
