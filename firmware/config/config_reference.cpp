@@ -114,7 +114,7 @@ const std::array kKeysUpToTheHead{
     ConfigKey{
         "landmark", "roll_sigma_deg", "deg", 0.1, 90, "",
         "1-sigma of the camera's roll about `expected_roll_deg`: how level it is mounted and stays; the ring looks "
-        "alike after 45 deg, and a roll of more than three of these leaves open which dot is P1",
+        "alike after 45 deg, and a roll of more than four of these leaves open which dot is P1",
         SLOT(landmark.roll_sigma_deg)},
 
     ConfigKey{"landmarks", "id", "", 0, 65535, "", "number in reports, unique; must be given", LANDMARK_SLOT(id)},

@@ -9,9 +9,9 @@
 namespace ninedot {
 namespace {
 
-// Nobody knows how well a mount is levelled to better than half of it, and a camera that rolls by five of its sigmas is
-// taken for the next eighth's: what is configured counts as that much more.
-constexpr double kSigmaDoubt = 1.5;
+// Nobody knows how well a mount is levelled to better than a quarter of it: what is configured counts as that much
+// more.
+constexpr double kSigmaDoubt = 1.25;
 
 // Chosen and not measured: weak, for cameras hang under ceilings too.
 constexpr double kElevationSigma_rad = 50 * kRadPerDeg;

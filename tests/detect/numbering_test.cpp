@@ -66,7 +66,7 @@ TEST(Numbering, TurnsDotsHomographyAndCostsTogether) {
 TEST(Numbering, CostsAreSquaredRollsOverTheirSigmaAboveTheBest) {
   const LandmarkGeometry landmark;
   const double roll_rad = 10 * kDegree;
-  const NumberingCosts costs = numbering_costs({}, view(roll_rad), landmark, {0, 14 * kDegree / 1.5});
+  const NumberingCosts costs = numbering_costs({}, view(roll_rad), landmark, {0, 14 * kDegree / 1.25});
   EXPECT_EQ(costs[0], 0);
   // Seen nearly from in front the neighbours need 45 degrees less or more of roll.
   const double best = std::pow(10.0 / 14, 2);

@@ -37,7 +37,7 @@ constexpr double kLean_rad = 0.3;
 
 TEST(ReadingOdds, ALevelCameraWithOneSolutionHasNoOther) {
   const ReadingOdds odds = weigh({reading(sheet_at(kLean_rad, 0))});
-  EXPECT_LT(odds.ambiguity, 1e-6);
+  EXPECT_LT(odds.ambiguity, 1e-9);
   EXPECT_EQ(odds.mirror_weight, 0);
 }
 
@@ -50,7 +50,7 @@ TEST(ReadingOdds, TheMirrorImageCountsByItsChiSquared) {
 }
 
 TEST(ReadingOdds, AMirrorImageWithinTheCovarianceIsNoneOfItsOwn) {
-  EXPECT_LT(weigh({reading(sheet_at(0.02, 0), 0, 0.05), reading(sheet_at(-0.02, 0), 0)}).ambiguity, 1e-6);
+  EXPECT_LT(weigh({reading(sheet_at(0.02, 0), 0, 0.05), reading(sheet_at(-0.02, 0), 0)}).ambiguity, 1e-9);
   EXPECT_NEAR(weigh({reading(sheet_at(0.02, 0), 0, 0.002), reading(sheet_at(-0.02, 0), 0)}).ambiguity, 0.5, 1e-3);
 }
 
@@ -59,10 +59,9 @@ TEST(ReadingOdds, ARollOfHalfAnEighthLeavesTwoNumberings) {
     return weigh({reading(sheet_at(0.01, roll_deg * kRadPerDeg))}, {0, sigma_deg * kRadPerDeg}).ambiguity;
   };
   EXPECT_NEAR(at(22.5, 5), 0.5, 0.05);
-  EXPECT_LT(at(15, 5), 0.003);
+  EXPECT_LT(at(15, 5), 1e-3);
   EXPECT_GT(at(20, 5), 0.01);
   EXPECT_GT(at(25, 5), 0.01) << "five sigma";
-  EXPECT_GT(at(27.5, 5), 0.01) << "what is valid by the next numbering is rolled by more";
   EXPECT_GT(at(17, 14), 0.1) << "a mount that may lean by as much says less";
 }
 

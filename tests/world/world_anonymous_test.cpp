@@ -124,7 +124,7 @@ TEST(WorldAnonymous, TheOnlyOneOfTheMapIsThatOneInTheNumberingThatTheRollSays) {
     count(WorldSolver(room.map, {}).solve(view.seen), view, room.T_world_camera, score);
   }
   EXPECT_GT(score.asked, 50);
-  EXPECT_GE(score.valid, score.asked * 85 / 100);
+  EXPECT_GE(score.valid, score.asked * 9 / 10);
   // What `valid` promises; 4 of 6345 were wrong over 24 seeds. Compilers draw different rooms: arguments have no order.
   EXPECT_LE(score.wrong, score.valid / 100);
 }
@@ -223,7 +223,7 @@ TEST(WorldAnonymous, OfAThousandAreToldApartWithBoundedWork) {
     count(solver.solve(view.seen, &prior), view, truth, score);
   }
   EXPECT_EQ(score.wrong, 0);
-  EXPECT_GE(score.valid, score.asked * 45 / 100);
+  EXPECT_GE(score.valid, score.asked / 2);
 }
 
 TEST(WorldAnonymous, WhereMorePairsAreAlikeThanMayBeTriedItIsAmbiguous) {
