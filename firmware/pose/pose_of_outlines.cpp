@@ -82,9 +82,9 @@ constexpr double kDarkestInk_lsb = -10;
 // Of P9's outline. A straight edge that leaves five ring dots leaves two thirds of P9's outline, one that leaves four a
 // quarter: half of that, for the dots beside the edge count as whole when they are not quite.
 constexpr double kCentreBesideFive = 0.33, kCentreBesideFour = 0.12;
-constexpr int kLeastSpots = 3;               // on blank paper: two may be dirt
-constexpr double kWholeDot = 0.9;            // visible share: the dot counts as whole
-constexpr double kCentreOfWholeRing = 0.75;  // of P9's outline, where nothing hides a dot around it
+constexpr int kLeastSpots = 3;          // on blank paper: two may be dirt
+constexpr double kWholeDot = 0.9;       // visible share: the dot counts as whole
+constexpr double kMostOfCentre = 0.75;  // of P9's outline: where it shows less, dots around it show no more
 
 double square(double x) noexcept { return x * x; }
 
@@ -154,7 +154,8 @@ bool is_plausibly_hidden(const std::array<double, kDotCount>& visible) noexcept 
              visible[(dot + 7) % kRingDotCount] >= kWholeDot;
   }
   const double centre = visible[kCentreDot];
-  if (whole == static_cast<int>(kRingDotCount) && centre < kCentreOfWholeRing) return false;
+  const double least_of_ring = *std::min_element(visible.begin(), visible.begin() + kRingDotCount);
+  if (centre < kMostOfCentre && centre < least_of_ring) return false;
   return holes <= 1 && centre >= (whole >= 5 ? kCentreBesideFive : whole == 4 ? kCentreBesideFour : 0);
 }
 

@@ -110,6 +110,20 @@ TEST(FitsPicture, AMiddleThatIsPalerThanTheRingIsSmaller) {
   EXPECT_FALSE(fits_picture(candidate, usual, {})) << "beside a ring that is partly covered";
 }
 
+TEST(FitsPicture, WhatHidesTheCentreHidesADotOfTheRingAsMuch) {
+  const PictureNoise usual = noise_of(2);
+  const auto fits = [&](double least_of_ring, double centre) {
+    PoseCandidate candidate = candidate_with(9, 2);
+    candidate.visible_share[1] = candidate.visible_share[5] = least_of_ring;
+    candidate.visible_share[kCentreDot] = centre;
+    return fits_picture(candidate, usual, {});
+  };
+  EXPECT_TRUE(fits(1, 0.8)) << "a fly on it";
+  EXPECT_FALSE(fits(1, 0.5));
+  EXPECT_FALSE(fits(0.75, 0.5)) << "a hub of another size";
+  EXPECT_TRUE(fits(0.4, 0.5)) << "a cable across";
+}
+
 TEST(FitsPicture, NoInkIsDarkerThanBlack) {
   const PictureNoise usual = noise_of(2);
   PoseCandidate candidate = candidate_with(9, 2);

@@ -35,7 +35,8 @@ class LookAlikes : public testing::TestWithParam<LookAlike> {};
 TEST_P(LookAlikes, AreNoValidPose) {
   for (const std::uint64_t seed : GetParam().seeds)
     for (const CameraKind camera : {CameraKind::kGrey, CameraKind::kColour})
-      EXPECT_FALSE(verdict_on(picture_of(GetParam().kind, seed), camera).valid) << GetParam().kind << ", seed " << seed;
+      EXPECT_FALSE(verdict_on(picture_of(GetParam().kind, seed), camera).valid)
+          << GetParam().kind << ", seed " << seed << (camera == CameraKind::kColour ? ", in colour" : ", in grey");
 }
 
 /// With a map more is taken for a landmark, for colours and the world have their say as well.
