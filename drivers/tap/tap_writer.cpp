@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -43,7 +44,23 @@ TapHeader laid_out(TapHeader header) noexcept {
   throw StartupError(ExitStatus::kWorkFailed, fmt::format("{}: {}: {}", path, std::strerror(error), advice));
 }
 
+/// What stands at a path is replaced only if a service left it there: a tap, or one that it did not finish, which
+/// begins with zeros. All else is somebody's; to open a pipe would wait for whoever writes it.
+void expect_no_others(const std::string& path) {
+  struct stat there {};
+  if (::lstat(path.c_str(), &there) != 0) return;
+  std::array<char, kTapMagic.size()> begins{};
+  if (S_ISREG(there.st_mode)) {
+    const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+    if (!file) refuse(path, errno, "[tap] can't tell whose this is; give it another path");
+    const bool is_there = ::pread(file.get(), begins.data(), begins.size(), 0) == ssize_t{begins.size()};
+    if (there.st_size == 0 || (is_there && (begins == kTapMagic || begins == decltype(begins){}))) return;
+  }
+  refuse(path, EEXIST, "this is no tap of ninedotd; give [tap] another path");
+}
+
 FileDescriptor make_file(const std::string& path, std::size_t size_bytes) {
+  expect_no_others(path);
   ::unlink(path.c_str());
   FileDescriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, S_IRUSR | S_IWUSR));
   if (!file) refuse(path, errno, "[tap] needs a folder in memory that the service may write, see docs/tap.md");
@@ -80,6 +97,7 @@ void tell(std::uint64_t& newest, std::uint64_t publication) noexcept {
 }  // namespace
 
 TapWriter::TapWriter(const std::string& path, TapHeader header) : path_(path), places_(laid_out(header)) {
+  expect_no_others(path);
   if (const FileDescriptor other(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
       other && is_tap_locked(other.get(), kTapWriterLock_bytes, TapLock::kShared))
     refuse(path, EBUSY, "another ninedotd serves this tap; give one of them another [tap] path");

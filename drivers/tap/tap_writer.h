@@ -18,9 +18,10 @@ namespace ninedot {
 class TapWriter {
  public:
   /// Makes the file under a temporary name and then gives it its own, so that who opens it finds it complete: mode
-  /// 0640, with the group that its folder gives (setgid). What a crashed service left is replaced.
+  /// 0640, with the group that its folder gives (setgid). What a crashed service left is replaced, and nothing else.
   /// \param header  what is known of software, camera and landmark; places, sizes and counts are filled in here
-  /// Throws StartupError(kWorkFailed), one line: the folder or the memory can't be had, another service serves there.
+  /// Throws StartupError(kWorkFailed), one line: the folder or the memory can't be had, another service serves there,
+  /// something else stands there.
   TapWriter(const std::string& path, TapHeader header);
   /// Takes the name away.
   ~TapWriter();

@@ -301,6 +301,38 @@ TEST_F(Tap, OfAnEndedServiceIsRefusedAndReplaced) {
   EXPECT_EQ(refusal_of_reader(), "");
 }
 
+TEST_F(Tap, ReplacesNothingThatIsNoTap) {
+  const auto refusal = [&] {
+    try {
+      const TapWriter writer(path(), header_);
+    } catch (const StartupError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  for (const std::string& name : {path(), path() + ".tmp"}) {
+    for (const std::string text : {"precious\n", "p"}) {
+      std::ofstream(name) << text;
+      EXPECT_NE(refusal().find(name + ": File exists: this is no tap of ninedotd"), std::string::npos);
+      std::string left;
+      std::getline(std::ifstream(name), left, '\0');
+      EXPECT_EQ(left, text);
+      std::filesystem::remove(name);
+    }
+    ASSERT_EQ(::mkfifo(name.c_str(), 0600), 0);
+    EXPECT_NE(refusal(), "") << "and waits for nobody";
+    EXPECT_TRUE(std::filesystem::is_fifo(name));
+    std::filesystem::remove(name);
+    std::filesystem::create_symlink("/dev/null", name);
+    EXPECT_NE(refusal(), "");
+    EXPECT_TRUE(std::filesystem::is_symlink(name));
+    std::filesystem::remove(name);
+    std::ofstream(name) << std::string(64, '\0');
+    EXPECT_EQ(refusal(), "") << "begun by a service that did not finish";
+    EXPECT_FALSE(std::filesystem::exists(name));
+  }
+}
+
 TEST_F(Tap, SaysOfAnotherVersionThatItIsOne) {
   TapWriter writer(path(), header_);
   std::fstream file(path(), std::ios::in | std::ios::out | std::ios::binary);
