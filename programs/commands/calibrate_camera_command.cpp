@@ -45,8 +45,9 @@ void check_arguments(const CalibrateCameraArguments& arguments) {
     refuse("give recordings of a sheet, or --config FILE, whose camera will be watched while you move the sheet");
   if (arguments.tap && !arguments.is_live())
     refuse("--tap watches a running service, and recordings are not watched: leave out the one or the other");
-  if (!arguments.progress.empty() && arguments.out == "-")
-    refuse("--progress and --out - would both write to standard output: name a file");
+  if (!arguments.progress.empty() && (arguments.out == "-" || arguments.picture == "-"))
+    refuse(fmt::format("--progress and {} - would both write to standard output: name a file",
+                       arguments.out == "-" ? "--out" : "--picture"));
   if (!arguments.is_live() && !arguments.keep.empty())
     refuse("--keep is for a camera's views; those of recordings are there already: leave it out");
   if (!arguments.is_live() && !arguments.sheet.config.empty() && !arguments.sheet.grid.empty())

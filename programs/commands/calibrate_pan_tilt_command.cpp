@@ -7,10 +7,8 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <filesystem>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -27,6 +25,7 @@
 #include "programs/commands/live_head.h"
 #include "programs/commands/output_check.h"
 #include "programs/commands/progress.h"
+#include "programs/commands/recording_frames.h"
 
 namespace ninedot {
 namespace {
@@ -81,15 +80,6 @@ HeadCalibration calibrate(const std::vector<HeadFrame>& frames, const LandmarkGe
   return *head;
 }
 
-/// Its stops would count twice, and its landmark for two.
-void refuse_repeated(const std::vector<std::string>& recordings) {
-  std::error_code ignored;
-  for (std::size_t i = 0; i < recordings.size(); ++i)
-    for (std::size_t other = 0; other < i; ++other)
-      if (std::filesystem::equivalent(recordings[i], recordings[other], ignored))
-        refuse_usage(fmt::format("{} is given twice: once is enough", recordings[i]));
-}
-
 void check_arguments(const PanTiltArguments& arguments) {
   const bool is_live = arguments.recordings.empty();
   if (!is_live && !arguments.stops.empty())
@@ -101,7 +91,7 @@ void check_arguments(const PanTiltArguments& arguments) {
   if (!arguments.progress.empty() && arguments.out == "-")
     refuse_usage("--progress and --out - would both write to standard output: name a file");
   check_named({"--out", arguments.out});
-  refuse_repeated(arguments.recordings);
+  refuse_repeated(arguments.recordings);  // its stops would count twice, and its landmark for two
   std::vector<std::string> inputs = arguments.recordings;
   inputs.insert(inputs.end(), {arguments.config, arguments.camera});
   check_outputs({{"--out", arguments.out}}, inputs);

@@ -24,7 +24,10 @@
 #include "programs/commands/map_findings.h"
 #include "programs/commands/map_news.h"
 #include "programs/commands/map_start.h"
+#include "programs/commands/named_option.h"
+#include "programs/commands/output_check.h"
 #include "programs/commands/progress.h"
+#include "programs/commands/recording_frames.h"
 
 namespace ninedot {
 namespace {
@@ -36,13 +39,16 @@ struct MapArguments {
   bool with_dictionary = false;
 };
 
-/// A recording that is not there or empty was named by mistake.
-void check_recording(const std::string& recording) {
-  try {
-    static_cast<void>(read_recording_index(recording));
-  } catch (const StartupError& error) {
-    throw StartupError(ExitStatus::kWrongUsage, error.what());
-  }
+/// Before the work. The map that the configuration names may be made again in its place.
+void check_map_files(const MapArguments& arguments, const Config& config) {
+  for (const std::string& recording : arguments.recordings) check_recording(recording);
+  refuse_repeated(arguments.recordings);
+  std::vector<std::string> inputs = arguments.recordings;
+  inputs.insert(inputs.end(), {arguments.config, arguments.camera, config.camera.calibration});
+  if (arguments.camera.empty())
+    for (const std::string& recording : arguments.recordings) inputs.push_back(recording_camera_file(recording));
+  check_outputs({{"--out", arguments.out}, {"--plan", arguments.plan}}, inputs);
+  check_outputs({{"--plan", arguments.plan}}, files_of(config));
 }
 
 /// Where it is told how far the work is: a terminal, and another program, which may be gone.
@@ -77,7 +83,6 @@ std::vector<RecordedSightings> read_recordings(const MapArguments& arguments, co
   std::vector<RecordedSightings> all;
   for (std::size_t i = 0; i < arguments.recordings.size(); ++i) {
     const std::string& recording = arguments.recordings[i];
-    check_recording(recording);
     const CameraModel camera = recording_camera(recording, arguments.camera, config);
     std::vector<RecordedSightings> frames =
         collect_sightings(recording, i, config, camera, [&](std::size_t frame, std::size_t count) {
@@ -130,8 +135,9 @@ class MapFiles {
 };
 
 void make_map(const MapArguments& arguments, MapNews* news) {
-  MapStart start =
-      map_start(read_config(arguments.config), arguments.config, arguments.origins, arguments.with_dictionary);
+  const Config config = read_config(arguments.config);
+  check_map_files(arguments, config);
+  MapStart start = map_start(config, arguments.config, arguments.origins, arguments.with_dictionary);
   MapFiles files(arguments);
   Telling telling(news);
   const auto is_of_use = [&](const BuiltMap& map) {
@@ -166,9 +172,10 @@ void make_map(const MapArguments& arguments, MapNews* news) {
 }
 
 void run_map(const MapArguments& arguments) {
-  if (!arguments.progress.empty() && arguments.out == "-")
+  if (!arguments.progress.empty() && (arguments.out == "-" || arguments.plan == "-"))
     throw StartupError(ExitStatus::kWrongUsage,
-                       "--progress and --out - would both write to standard output: name a file");
+                       fmt::format("--progress and {} - would both write to standard output: name a file",
+                                   arguments.out == "-" ? "--out" : "--plan"));
   with_news<MapNews>(arguments.progress, [&](MapNews* news) { make_map(arguments, news); });
 }
 
@@ -178,11 +185,16 @@ void add_map_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("map", "Find out where landmarks hang, from recordings that show them together");
   const auto arguments = std::make_shared<MapArguments>();
-  command->add_option("RECORDING", arguments->recordings, "folders with frames/, or .y4m files")->required();
+  command->add_option("RECORDING", arguments->recordings, "folders with frames/, or .y4m files")
+      ->required()
+      ->check(is_named());
   command->add_option("--config", arguments->config, "which landmarks there are: [[landmarks]] with id and code")
-      ->required();
-  command->add_option("--camera", arguments->camera,
-                      "calibration; default: camera.yaml of each recording, then that of the configuration");
+      ->required()
+      ->check(is_named());
+  command
+      ->add_option("--camera", arguments->camera,
+                   "calibration; default: camera.yaml of each recording, then that of the configuration")
+      ->check(is_named());
   command
       ->add_option(
           "--origin", arguments->origins,
@@ -194,8 +206,10 @@ void add_map_command(CLI::App& app) {
                     "landmarks of `ninedot pattern --id` that the configuration does not have join the map where the "
                     "pictures show them");
   command->add_option("--out", arguments->out, "file for the map, which the configuration's key 'map' may name")
-      ->required();
-  command->add_option("--plan", arguments->plan, "SVG file: the map from above, with its uncertainties");
+      ->required()
+      ->check(is_named());
+  command->add_option("--plan", arguments->plan, "SVG file: the map from above, with its uncertainties")
+      ->check(is_named());
   command
       ->add_option("--progress", arguments->progress,
                    "json: a line of JSON on standard output for each piece of news, for programs that show them")

@@ -79,6 +79,7 @@ std::vector<std::uint16_t> named_origins(const std::vector<std::string>& origins
                          word));
     const MappedLandmark* const origin = map.find(*id);
     if (origin == nullptr) refuse_origin(word, config_path, map);
+    if (std::ranges::count(exact, *id) > 0) refuse(fmt::format("--origin {}: is named twice", word));
     if (!exact.empty() && !origin->has_place)
       refuse(fmt::format("--origin {}: a further origin needs its position_mm in {}", origin->id, config_path));
     exact.push_back(*id);

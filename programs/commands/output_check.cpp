@@ -24,7 +24,12 @@ bool is_same_file(const fs::path& a, const fs::path& b) {
 bool is_of_recording(const fs::path& file, const fs::path& recording) {
   std::error_code error;
   if (!fs::is_directory(recording, error)) return false;
-  return is_same_file(file, recording / "frames.csv") || is_same_file(file.parent_path(), recording / "frames");
+  return is_same_file(file, recording / "frames.csv") || is_same_file(file, recording / "frames") ||
+         is_same_file(file.parent_path(), recording / "frames");
+}
+
+bool is_same_place(const std::string& a, const std::string& b) {
+  return is_file_name(a) && is_file_name(b) ? is_same_file(a, b) : a == "-" && b == "-";
 }
 
 }  // namespace
@@ -32,18 +37,21 @@ bool is_of_recording(const fs::path& file, const fs::path& recording) {
 void check_outputs(const std::vector<NamedOutput>& outputs, const std::vector<std::string>& inputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const NamedOutput& output = outputs[i];
-    if (!is_file_name(output.path)) continue;
     for (std::size_t other = 0; other < i; ++other)
-      if (is_file_name(outputs[other].path) && is_same_file(outputs[other].path, output.path))
-        throw StartupError(ExitStatus::kWrongUsage,
-                           fmt::format("{} would be written twice, by {} and by {}: name two files", output.path,
-                                       outputs[other].option, output.option));
+      if (is_same_place(outputs[other].path, output.path))
+        throw StartupError(
+            ExitStatus::kWrongUsage,
+            fmt::format("{} would be written twice, by {} and by {}: name two files",
+                        output.path == "-" ? "standard output" : output.path, outputs[other].option, output.option));
+    if (!is_file_name(output.path)) continue;
     for (const std::string& input : inputs)
       if (!input.empty() && (is_same_file(output.path, input) || is_of_recording(output.path, input)))
         throw StartupError(ExitStatus::kWrongUsage,
                            fmt::format("{} is read by this command: give {} another name", output.path, output.option));
   }
 }
+
+std::vector<std::string> files_of(const Config& config) { return {config.map, config.camera.calibration}; }
 
 void check_named(const NamedOutput& output) {
   if (output.path.empty()) throw StartupError(ExitStatus::kWrongUsage, fmt::format("{} names no file", output.option));

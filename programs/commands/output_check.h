@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "config/config.h"
+
 namespace ninedot {
 
 struct NamedOutput {
@@ -11,9 +13,13 @@ struct NamedOutput {
 };
 
 /// Before the work, and before any output is opened. Throws StartupError(kWrongUsage) with one line: two outputs are
-/// one file, or one of them is among what is read. \param inputs  files and recordings, as they were given; empty ones
-/// count as none
+/// one file or both standard output, or one of them is among what is read. \param outputs  files, and folders that get
+/// pictures \param inputs  files and recordings, as they were given; empty ones count as none. A recording's
+/// camera.yaml is one only where it is named by itself
 void check_outputs(const std::vector<NamedOutput>& outputs, const std::vector<std::string>& inputs);
+
+/// What a command reads beside a configuration because it says so: its map and its calibration. Memory: allocates.
+std::vector<std::string> files_of(const Config& config);
 
 /// Likewise: an option that has to name a file names none.
 void check_named(const NamedOutput& output);

@@ -11,6 +11,8 @@
 #include "programs/assembly/input_files.h"
 #include "programs/commands/commands.h"
 #include "programs/commands/dot_grid_option.h"
+#include "programs/commands/named_option.h"
+#include "programs/commands/output_check.h"
 #include "programs/commands/pattern_choice.h"
 #include "programs/commands/pattern_output.h"
 #include "world/landmark_codes.h"
@@ -69,6 +71,7 @@ void print_chosen(const PatternCommand& command) {
 
 void print_map(const PatternCommand& command) {
   const Config config = read_config(command.config);
+  check_outputs({{"--out", command.out}}, {command.config, config.map});
   PatternOptions lengths = command.lengths;
   lengths.ring_radius_mm = config.landmark.ring_radius_mm;
   lengths.dot_diameter_mm = config.landmark.dot_diameter_mm;
@@ -124,7 +127,9 @@ void add_pattern_command(CLI::App& app) {
   add_length("--ring-radius-mm", lengths.ring_radius_mm, "Radius of the ring P1 to P8");
   add_length("--dot-diameter-mm", lengths.dot_diameter_mm, "Diameter of P1 to P8");
   add_length("--centre-diameter-mm", lengths.centre_diameter_mm, "Diameter of P9");
-  sub->add_option("--out", command->out, "FILE.svg, or FILE.pdf, which may have several pages")->required();
+  sub->add_option("--out", command->out, "FILE.svg, or FILE.pdf, which may have several pages")
+      ->required()
+      ->check(is_named());
   sub->callback([command, code] {
     if (!command->grid.empty()) return print_grid(*command);
     command->has_code = code->count() > 0;

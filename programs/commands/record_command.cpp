@@ -22,6 +22,7 @@
 #include "programs/assembly/open_head.h"
 #include "programs/assembly/open_source.h"
 #include "programs/commands/commands.h"
+#include "programs/commands/named_option.h"
 #include "programs/commands/source_failure.h"
 
 namespace ninedot {
@@ -108,8 +109,10 @@ void run_record(const RecordArguments& arguments) {
 void add_record_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("record", "Record the frames of the configured camera");
   const auto arguments = std::make_shared<RecordArguments>();
-  command->add_option("--config", arguments->config, "configuration file: its [camera] is recorded")->required();
-  command->add_option("--out", arguments->out, "a new or empty folder")->required();
+  command->add_option("--config", arguments->config, "configuration file: its [camera] is recorded")
+      ->required()
+      ->check(is_named());
+  command->add_option("--out", arguments->out, "a new or empty folder")->required()->check(is_named());
   command->add_option("--frames", arguments->frames, "stop after so many; default: at the end, or at Ctrl-C")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{999'999'999}));
   command->add_flag("--grey", arguments->grey, "leave out the colour: the pose needs none, and the files are smaller");

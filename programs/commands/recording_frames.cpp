@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
+#include <system_error>
 
 #include "base/startup_error.h"
 #include "drivers/posix/signals.h"
@@ -16,12 +18,24 @@ namespace ninedot {
 
 using namespace std::chrono_literals;
 
-RecordingView view_of_recording(const std::string& recording, const std::string& camera_file, const Config& config) {
+void check_recording(const std::string& recording) {
   try {
     static_cast<void>(read_recording_index(recording));
   } catch (const StartupError& error) {
     throw StartupError(ExitStatus::kWrongUsage, error.what());
   }
+}
+
+void refuse_repeated(const std::vector<std::string>& recordings) {
+  std::error_code ignored;
+  for (std::size_t i = 0; i < recordings.size(); ++i)
+    for (std::size_t other = 0; other < i; ++other)
+      if (std::filesystem::equivalent(recordings[i], recordings[other], ignored))
+        throw StartupError(ExitStatus::kWrongUsage, fmt::format("{} is given twice: once is enough", recordings[i]));
+}
+
+RecordingView view_of_recording(const std::string& recording, const std::string& camera_file, const Config& config) {
+  check_recording(recording);
   return {recording_camera(recording, camera_file, config), localiser_options(config).seeker.landmark};
 }
 

@@ -2,6 +2,7 @@
 /// Every picture of a recording once through the localiser, for calibrations.
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "calibrate/camera_file.h"
 #include "config/config.h"
@@ -13,6 +14,12 @@ struct SeenFrames {
   std::size_t frames = 0;       ///< that were looked at
   bool is_interrupted = false;  ///< by SIGINT or SIGTERM: the rest was not looked at
 };
+
+/// What is no recording, or has no picture, was named by mistake. Throws StartupError(kWrongUsage) in one line.
+void check_recording(const std::string& recording);
+
+/// A recording that is given twice, under one name or two, would count twice. Throws StartupError(kWrongUsage).
+void refuse_repeated(const std::vector<std::string>& recordings);
 
 /// What a recording was looked at with.
 struct RecordingView {

@@ -29,7 +29,10 @@
 #include "programs/assembly/row_time_text.h"
 #include "programs/assembly/zoom_choice.h"
 #include "programs/commands/commands.h"
+#include "programs/commands/named_option.h"
+#include "programs/commands/output_check.h"
 #include "programs/commands/progress.h"
+#include "programs/commands/recording_frames.h"
 #include "programs/commands/world_rows.h"
 #include "proto/pose_csv.h"
 
@@ -135,8 +138,22 @@ class RecordedTimes {
   std::vector<RecordedFrame> frames_;
 };
 
+void check_replay_files(const ReplayArguments& arguments, const Config& config) {
+  check_recording(arguments.recording);
+  std::vector<std::string> inputs = files_of(config);
+  inputs.insert(inputs.end(),
+                {arguments.recording, arguments.config,
+                 arguments.camera.empty() ? recording_camera_file(arguments.recording) : arguments.camera});
+  check_outputs({{"--out", arguments.out.empty() ? "-" : arguments.out},
+                 {"--out-world", arguments.out_world},
+                 {"--out-track", arguments.out_track},
+                 {"--overlay", arguments.overlay_folder}},
+                inputs);
+}
+
 void run_replay(const ReplayArguments& arguments) {
   const Config config = arguments.config.empty() ? Config{} : read_config(arguments.config);
+  check_replay_files(arguments, config);
   RecordingOptions recording_options;
   recording_options.pace = arguments.realtime ? RecordingPace::kRealTime : RecordingPace::kEveryFrame;
   RecordingSource source(arguments.recording, recording_options);
@@ -211,20 +228,23 @@ void run_replay(const ReplayArguments& arguments) {
 void add_replay_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("replay", "Compute the poses of a recording");
   const auto arguments = std::make_shared<ReplayArguments>();
-  command->add_option("RECORDING", arguments->recording, "folder with frames/, or a .y4m file")->required();
-  command->add_option("--config", arguments->config, "landmark, map and solver; default: the default landmark");
-  command->add_option("--camera", arguments->camera,
-                      "calibration; default: camera.yaml of the recording, then that of the configuration");
-  command->add_option("--out", arguments->out, "file for the poses; default: standard output");
-  command->add_option("--out-world", arguments->out_world, "file for the camera's poses in the world (the map's)");
-  command->add_option("--out-track", arguments->out_track, "file for the same, filtered over time, with velocity");
+  const auto add_named = [&](const char* name, std::string& path, const char* meaning) {
+    return command->add_option(name, path, meaning)->check(is_named());
+  };
+  add_named("RECORDING", arguments->recording, "folder with frames/, or a .y4m file")->required();
+  add_named("--config", arguments->config, "landmark, map and solver; default: the default landmark");
+  add_named("--camera", arguments->camera,
+            "calibration; default: camera.yaml of the recording, then that of the configuration");
+  add_named("--out", arguments->out, "file for the poses; default: standard output");
+  add_named("--out-world", arguments->out_world, "file for the camera's poses in the world (the map's)");
+  add_named("--out-track", arguments->out_track, "file for the same, filtered over time, with velocity");
   command->add_option("--frame", arguments->of_frame, "whose place these two have: camera (default), or body: [body]")
       ->check(CLI::IsMember({"camera", "body"}));
   command->add_option("--euler", arguments->euler, "adds their angles with 1-sigmas: zyx, fanuc, or kuka")
       ->check(CLI::IsMember({"zyx", "fanuc", "kuka"}));
   command->add_option("--format", arguments->format, "csv (default), or tum: timestamp x y z qx qy qz qw")
       ->check(CLI::IsMember({"csv", "tum"}));
-  command->add_option("--overlay", arguments->overlay_folder, "folder for pictures that show what was found");
+  add_named("--overlay", arguments->overlay_folder, "folder for pictures that show what was found");
   command->add_flag("--realtime", arguments->realtime, "frames come at their recorded times, the newest wins");
   command->add_flag("--keep-going", arguments->keep_going, "leave out pictures that cannot be read");
   command->callback([arguments] { run_replay(*arguments); });

@@ -7,6 +7,7 @@
 #include <ctime>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "base/startup_error.h"
 #include "base/units.h"
@@ -15,6 +16,8 @@
 #include "programs/assembly/open_source.h"
 #include "programs/assembly/simulation_options.h"
 #include "programs/commands/commands.h"
+#include "programs/commands/named_option.h"
+#include "programs/commands/output_check.h"
 #include "programs/commands/progress.h"
 #include "programs/simulation/virtual_run.h"
 
@@ -64,6 +67,9 @@ Config read_scenario(const std::string& path) {
 
 void run_simulate(const SimulateArguments& arguments) {
   const Config config = read_scenario(arguments.scenario);
+  std::vector<std::string> inputs = files_of(config);
+  inputs.push_back(arguments.scenario);
+  check_outputs({{"--out", arguments.out}}, inputs);
   const CameraModel camera = simulated_camera_model(config.camera);
   VirtualRunOptions options;
   options.seed = arguments.seed;
@@ -92,7 +98,8 @@ void add_simulate_command(CLI::App& app) {
   const auto arguments = std::make_shared<SimulateArguments>();
   command->add_option("scenario", arguments->scenario, "a configuration with [simulation]: see docs/simulation.md")
       ->required();
-  command->add_option("--out", arguments->out, "CSV file, a row for each frame; default: - (standard output)");
+  command->add_option("--out", arguments->out, "CSV file, a row for each frame; default: - (standard output)")
+      ->check(is_named());
   command->add_option("--seed", arguments->seed, "of the camera's noise; default: 1")->check(CLI::NonNegativeNumber);
   command->add_option("--controller", arguments->controller, "servoing (default), or pid: a plain one on pixels")
       ->check(CLI::IsMember({"servoing", "pid"}));

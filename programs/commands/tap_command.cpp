@@ -23,6 +23,8 @@
 #include "drivers/tap/tap_reader.h"
 #include "programs/assembly/input_files.h"
 #include "programs/commands/commands.h"
+#include "programs/commands/named_option.h"
+#include "programs/commands/output_check.h"
 #include "programs/commands/progress.h"
 #include "programs/tap/tap_frame.h"
 #include "programs/tap/tap_lease.h"
@@ -175,6 +177,7 @@ void run_tap(const TapArguments& arguments) {
     if (!config.tap.enabled)
       throw StartupError(ExitStatus::kWorkFailed,
                          arguments.config + ": no tap is configured: write `enabled = true` under [tap]");
+    check_outputs({{"--out", arguments.out}}, {arguments.config, config.map, config.tap.path});
     path = config.tap.path;
   }
   Tap tap(path, arguments.frames > 1 ? TapDemand::kEvery : TapDemand::kSome);
@@ -190,11 +193,13 @@ void add_tap_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("tap", "Show, save or record what a running service sees, without stopping it");
   const auto arguments = std::make_shared<TapArguments>();
-  auto* config = command->add_option("--config", arguments->config, "the service's configuration: its [tap] is read");
+  auto* config = command->add_option("--config", arguments->config, "the service's configuration: its [tap] is read")
+                     ->check(is_named());
   command->add_option("--path", arguments->path, "the tap itself; default: " + arguments->path)->excludes(config);
-  command->add_option("--out", arguments->out, "save the newest picture as PNG");
+  command->add_option("--out", arguments->out, "save the newest picture as PNG")->check(is_named());
   command->add_flag("--overlay", arguments->overlay, "with what was found drawn into it");
-  command->add_option("--record", arguments->record, "a new or empty folder: record --frames frames into it");
+  command->add_option("--record", arguments->record, "a new or empty folder: record --frames frames into it")
+      ->check(is_named());
   command->add_flag("--latencies", arguments->latencies,
                     "how many frames since the service's start took how long, from the exposure to the report");
   command->add_option("--frames", arguments->frames, "how many frames to record, or lines to print; default: 1")

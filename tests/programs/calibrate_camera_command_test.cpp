@@ -250,6 +250,8 @@ TEST_F(CalibrateCameraLive, TellsAnotherProgramLineByLine) {
   test::expect_refusal(test::type_command(add_calibrate_command,
                                           {"calibrate", "camera", path("camera"), "--progress", "json", "--out", "-"}),
                        ExitStatus::kWrongUsage, "would both write to standard output");
+  test::expect_refusal(type({"--config", config_of_camera(few), "--progress", "json", "--picture", "-"}),
+                       ExitStatus::kWrongUsage, "--progress and --picture - would both write to standard output");
 }
 
 TEST_F(CalibrateCameraLive, WatchesNoServiceThatDoesNotRun) {

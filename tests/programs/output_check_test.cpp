@@ -42,6 +42,7 @@ TEST_F(OutputCheck, RefusesWhatIsRead) {
 
 TEST_F(OutputCheck, RefusesAPlaceAmongARecordingsPicturesButNotItsCalibration) {
   EXPECT_NE(refusal({{"--out", in("frames/000000.png")}}, {folder_.path()}), "none");
+  EXPECT_NE(refusal({{"--overlay", in("frames")}}, {folder_.path()}), "none");
   EXPECT_NE(refusal({{"--picture", in("frames.csv")}}, {folder_.path()}), "none");
   EXPECT_EQ(refusal({{"--out", in("camera.yaml")}, {"--picture", in("camera.svg")}}, {folder_.path()}), "none");
 }
@@ -49,7 +50,9 @@ TEST_F(OutputCheck, RefusesAPlaceAmongARecordingsPicturesButNotItsCalibration) {
 TEST_F(OutputCheck, RefusesOneFileForTwoOutputs) {
   EXPECT_EQ(refusal({{"--out", "a.svg"}, {"--picture", "./a.svg"}}, {}),
             "./a.svg would be written twice, by --out and by --picture: name two files");
-  EXPECT_EQ(refusal({{"--out", "-"}, {"--picture", "-"}}, {}), "none");
+  EXPECT_EQ(refusal({{"--out", "-"}, {"--picture", "-"}}, {}),
+            "standard output would be written twice, by --out and by --picture: name two files");
+  EXPECT_EQ(refusal({{"--out", "-"}, {"--picture", "a.svg"}}, {}), "none");
   EXPECT_EQ(refusal({{"--out", ""}, {"--picture", ""}}, {}), "none");
 }
 

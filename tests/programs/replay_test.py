@@ -137,7 +137,10 @@ class Replay(unittest.TestCase):
 
     def test_a_folder_that_does_not_exist(self):
         self.fails(1, APPROACH, "--out", self.folder / "none" / "poses.csv", says="poses.csv")
-        self.fails(1, self.folder / "none", says="none")
+
+    def test_what_is_no_recording(self):
+        for name in ("none", "", self.folder):
+            self.fails(2, self.folder / name if name else name, says=name or "RECORDING")
 
     def test_a_recording_without_calibration_and_a_calibration_of_another_size(self):
         recording = self.folder / "bare"
