@@ -43,9 +43,21 @@ void OutputFile::flush() {
   pending_.clear();
 }
 
-void OutputFile::finish() {
+void OutputFile::settle() {
   flush();
+  if (file_) need(file_->settle(Durability::kPowerCut));
+}
+
+void OutputFile::finish() {
+  settle();
   if (file_) need(file_->commit(Durability::kPowerCut));
+}
+
+void finish_together(std::initializer_list<OutputFile*> files) {
+  for (OutputFile* const file : files)
+    if (file != nullptr) file->settle();
+  for (OutputFile* const file : files)
+    if (file != nullptr) file->finish();
 }
 
 }  // namespace ninedot

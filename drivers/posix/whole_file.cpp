@@ -14,16 +14,33 @@
 namespace ninedot {
 namespace {
 
-/// A file beside `path` that is nobody else's, and its name. \return  none, and errno: it can't be made
-FileDescriptor open_beside(const std::string& path, std::string& name) {
+/// A name beside `path` that is nobody else's. \param make  makes the file of that name; false, and errno: it can't
+/// \return  empty, and errno: it can't be made
+template <typename Make>
+std::string made_beside(const std::string& path, Make make) {
   constexpr int kMostTries = 1000;  // names that runs which were killed left behind
   static std::atomic<unsigned> counter{0};
   for (int i = 0; i < kMostTries; ++i) {
-    name = path + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".tmp";
-    FileDescriptor file(::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
-    if (file || errno != EEXIST) return file;
+    std::string name = path + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".tmp";
+    if (make(name)) return name;
+    if (errno != EEXIST) break;
   }
-  return FileDescriptor();
+  return {};
+}
+
+std::string folder_of(const std::string& path) {
+  const std::size_t end = path.rfind('/');
+  return end == std::string::npos ? "." : path.substr(0, end + 1);
+}
+
+/// The only name of a file that has none (open(2), O_TMPFILE).
+std::string proc_name(const FileDescriptor& file) { return "/proc/self/fd/" + std::to_string(file.get()); }
+
+/// In the folder of `path`: it goes with whoever writes it, however that ends. \return  none: the file system has no
+/// such files, or there is no /proc to give them a name
+FileDescriptor open_nameless(const std::string& path) {
+  FileDescriptor file(::open(folder_of(path).c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0644));
+  return file && ::access(proc_name(file).c_str(), F_OK) == 0 ? std::move(file) : FileDescriptor();
 }
 
 /// Where a link leads, so that it stays one.
@@ -36,9 +53,7 @@ std::string resolved(const std::string& path) {
 
 /// Without this the rename itself may be lost. \return  0 or an errno
 int sync_folder_of(const std::string& path) noexcept {
-  const std::size_t end = path.rfind('/');
-  const std::string folder = end == std::string::npos ? "." : path.substr(0, end + 1);
-  const FileDescriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const FileDescriptor descriptor(::open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   // Some network file systems know no such thing (EINVAL); they have the file where we can do no more for it.
   if (!descriptor || ::fsync(descriptor.get()) == 0 || errno == EINVAL) return 0;
   return errno;
@@ -88,14 +103,18 @@ Result<FileReplacement> FileReplacement::begin(const std::string& path) {
   struct stat status {};
   const bool exists = ::stat(path.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode)) return fail(Errc::kIo, "cannot be created", EISDIR);
-  std::string temporary;
-  // A device or a fifo can't be replaced, only written.
-  if (exists && !S_ISREG(status.st_mode))
+  if (exists && !S_ISREG(status.st_mode)) {  // a device or a fifo can't be replaced, only written
     file.file_ = FileDescriptor(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-  else
-    file.file_ = open_beside(file.path_, temporary);
+  } else {
+    file.file_ = open_nameless(file.path_);
+    file.is_nameless_ = static_cast<bool>(file.file_);
+    if (!file.is_nameless_)
+      file.temporary_ = made_beside(file.path_, [&](const std::string& name) {
+        file.file_ = FileDescriptor(::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
+        return static_cast<bool>(file.file_);
+      });
+  }
   if (!file.file_) return fail(Errc::kIo, "cannot be created", errno);
-  file.temporary_ = std::move(temporary);
   return file;
 }
 
@@ -116,15 +135,29 @@ Result<std::size_t> FileReplacement::write(std::span<const std::uint8_t> bytes, 
   return write_all(file_.get(), bytes, write_bytes);
 }
 
-Result<std::size_t> FileReplacement::commit(Durability durability) noexcept {
-  const bool is_synced = durability == Durability::kPowerCut && !temporary_.empty();
+Result<std::size_t> FileReplacement::settle(Durability durability) noexcept {
+  if (is_settled_) return 0;
+  const bool is_synced = durability == Durability::kPowerCut && (is_nameless_ || !temporary_.empty());
   if (is_synced && ::fsync(file_.get()) != 0) return fail(Errc::kIo, "cannot be written", errno);
-  // Network file systems report a full disk as late as here.
-  if (::close(file_.let_go()) != 0) return fail(Errc::kIo, "cannot be written", errno);
+  // Network file systems report a full disk as late as here; what has no name yet is on none of them.
+  if (!is_nameless_ && ::close(file_.let_go()) != 0) return fail(Errc::kIo, "cannot be written", errno);
+  is_settled_ = true;
+  return 0;
+}
+
+Result<std::size_t> FileReplacement::commit(Durability durability) noexcept {
+  NINEDOT_TRY([[maybe_unused]] const std::size_t nothing, settle(durability));
+  // A link can't take another file's place, a rename can: so it gets a name beside it for a moment.
+  if (is_nameless_) {
+    temporary_ = made_beside(path_, [this](const std::string& name) {
+      return ::linkat(AT_FDCWD, proc_name(file_).c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+    });
+    if (temporary_.empty()) return fail(Errc::kIo, "cannot be given its name", errno);
+  }
   if (temporary_.empty()) return 0;
   if (std::rename(temporary_.c_str(), path_.c_str()) != 0) return fail(Errc::kIo, "cannot be renamed", errno);
   temporary_.clear();
-  if (const int error = is_synced ? sync_folder_of(path_) : 0; error != 0)
+  if (const int error = durability == Durability::kPowerCut ? sync_folder_of(path_) : 0; error != 0)
     return fail(Errc::kIo, "is written, but a power cut may undo it", error);
   return 0;
 }

@@ -39,10 +39,11 @@ enum class Durability {
   kWhenConvenient,
 };
 
-/// A file beside PATH, with a name of its own that ends in .tmp, which becomes PATH at `commit`; without it nothing is
-/// left behind and PATH is as it was. A link stays one, and what it leads to is replaced. Things that are no regular
-/// files (/dev/null, a fifo) are written directly. All errors are kIo with errno (EISDIR: PATH is a folder, ENOSPC: the
-/// disk is full).
+/// A file in the folder of PATH which becomes PATH at `commit`; without it nothing is left behind and PATH is as it
+/// was. It has no name until then, so that this holds for a program that is killed as well. Where the file system wants
+/// a name (network file systems do), it has one of its own beside PATH that ends in .tmp. A link stays one, and what it
+/// leads to is replaced. Things that are no regular files (/dev/null, a fifo) are written directly. All errors are kIo
+/// with errno (EISDIR: PATH is a folder, ENOSPC: the disk is full).
 /// Memory: two paths. Threads: one.
 class FileReplacement {
  public:
@@ -50,7 +51,9 @@ class FileReplacement {
   FileReplacement(FileReplacement&& other) noexcept
       : file_(std::move(other.file_)),
         path_(std::move(other.path_)),
-        temporary_(std::exchange(other.temporary_, std::string())) {}
+        temporary_(std::exchange(other.temporary_, std::string())),
+        is_nameless_(other.is_nameless_),
+        is_settled_(other.is_settled_) {}
   FileReplacement& operator=(FileReplacement&&) = delete;
   ~FileReplacement();
 
@@ -59,7 +62,10 @@ class FileReplacement {
   Result<std::size_t> keep_rights(const std::string& model) noexcept;
   /// Appends all of `bytes`. \return  the number of bytes written
   Result<std::size_t> write(std::span<const std::uint8_t> bytes, WriteFunction write_bytes = write_to_disk) noexcept;
-  /// Once, at the end. \return  0 bytes: what was written is counted by `write`
+  /// Where several files belong together, before the first of them is committed: all that can fail for want of room has
+  /// failed then. Nothing is written afterwards. \return  0 bytes
+  Result<std::size_t> settle(Durability durability) noexcept;
+  /// Once, at the end; settles what is not yet. \return  0 bytes: what was written is counted by `write`
   Result<std::size_t> commit(Durability durability) noexcept;
 
  private:
@@ -67,7 +73,9 @@ class FileReplacement {
 
   FileDescriptor file_;
   std::string path_;
-  std::string temporary_;  // empty: written directly, or committed
+  std::string temporary_;  // empty: written directly, without a name yet, or committed
+  bool is_nameless_ = false;
+  bool is_settled_ = false;
 };
 
 /// FROM becomes TO in one step, which a power cut does not undo once this has returned. Needs no room on the disk.

@@ -86,13 +86,10 @@ class CalibrationFiles {
   }
 
   void write(const LensCalibration& result, std::span<const PlaneDisc> discs) {
-    if (picture_file_) {
-      picture_file_->write(picture_of(result, discs));
-      picture_file_->finish();
-    }
+    if (picture_file_) picture_file_->write(picture_of(result, discs));
     camera_file_.write(
         camera_file_of(result, camera_name_of(arguments_.out), arguments_.lens, !arguments_.sheet.model.empty()));
-    camera_file_.finish();
+    finish_together({picture_file_ ? &*picture_file_ : nullptr, &camera_file_});
   }
 
  private:

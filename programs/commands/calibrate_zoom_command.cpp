@@ -238,12 +238,9 @@ void run_calibrate_zoom(const CalibrateZoomArguments& arguments) {
   calibration.run();
   const ZoomTable table = zoom_table(calibration.lenses());
   const std::vector<std::string> lines = lines_of(table, calibration.calibrations());
-  if (picture_file) {
-    picture_file->write(picture_of(table, lines.back()));
-    picture_file->finish();
-  }
+  if (picture_file) picture_file->write(picture_of(table, lines.back()));
   file.write(file_of(table, calibration.calibrations(), lines, arguments));
-  file.finish();
+  finish_together({picture_file ? &*picture_file : nullptr, &file});
   for (const std::string& line : lines) fmt::print(stderr, "{}\n", line);
 }
 

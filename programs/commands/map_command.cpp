@@ -123,10 +123,8 @@ class MapFiles {
         fmt::format("Made by `ninedot map`: uncertainties are 1-sigma, relative to landmark {}.", start.origin()),
         map_summary(map, start)};
     map_.write(format_map(landmarks, comment, notes_of(landmarks, map, start)));
-    map_.finish();
-    if (!plan_) return;
-    plan_->write(draw_map_plan(map.placed, start.origin()));
-    plan_->finish();
+    if (plan_) plan_->write(draw_map_plan(map.placed, start.origin()));
+    finish_together({&map_, plan_ ? &*plan_ : nullptr});
   }
 
  private:

@@ -99,7 +99,7 @@ class PoseRows {
     if (!tum_) file_.write(format_pose_csv_row(row));
     if (tum_ && row.valid) file_.write(format_tum_row(row));
   }
-  void finish() { file_.finish(); }
+  OutputFile& file() noexcept { return file_; }
 
  private:
   OutputFile file_;
@@ -215,9 +215,7 @@ void run_replay(const ReplayArguments& arguments) {
     overlay.write(frame, report, *localiser);
     if (progress.is_due()) progress.show(fmt::format("frame {} of {}", counts.frames, source.frame_count()));
   }
-  rows.finish();
-  world.finish();
-  track.finish();
+  finish_together({&rows.file(), world.file(), track.file()});
   progress.clear();
   print_summary(counts);
   if (const std::string shutter = row_time_text(report.row_time); !shutter.empty()) fmt::print(stderr, "{}\n", shutter);

@@ -97,8 +97,4 @@ void WorldRows::add(const Frame& frame, const Fix& fix) {
         fmt::format(",{}", joined(track.motion.velocity_m_s / kMetresPerMm, 3)));
 }
 
-void WorldRows::finish() {
-  if (file_) file_->finish();
-}
-
 }  // namespace ninedot

@@ -44,7 +44,8 @@ class WorldRows {
 
   /// A row where has_row() says so.
   void add(const Frame& frame, const Fix& fix);
-  void finish();
+  /// \return  to be finished with others; null: none is written. Lives as long as this.
+  OutputFile* file() noexcept { return file_ ? &*file_ : nullptr; }
 
  private:
   std::optional<OutputFile> file_;

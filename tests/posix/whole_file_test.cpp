@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 #include <vector>
 
 #include "base/startup_error.h"
@@ -23,6 +26,7 @@ struct Sync {
 std::vector<Sync> syncs;
 std::string finished_file;
 int sync_error = 0;
+bool has_proc = true;
 
 }  // namespace
 
@@ -34,6 +38,12 @@ extern "C" int fsync(int descriptor) {
   if (sync_error == 0) return static_cast<int>(::syscall(SYS_fsync, descriptor));
   errno = sync_error;
   return -1;
+}
+
+/// Likewise: without /proc a file that has no name can't be given one.
+extern "C" int access(const char* path, int mode) {
+  if (!has_proc && std::string_view(path).starts_with("/proc/")) return -1;
+  return static_cast<int>(::syscall(SYS_faccessat, AT_FDCWD, path, mode));
 }
 
 namespace ninedot {
@@ -50,6 +60,7 @@ class WholeFile : public testing::Test {
     finished_file = folder_ / "file";
     syncs.clear();
     sync_error = 0;
+    has_proc = true;
   }
   ~WholeFile() override { fs::remove_all(folder_); }
   static std::span<const std::uint8_t> bytes(std::string_view text) {
@@ -58,6 +69,18 @@ class WholeFile : public testing::Test {
   static std::string text_of(const fs::path& file) {
     std::ifstream stream(file);
     return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  /// Writes half a file and is killed.
+  static void be_killed_writing(const std::string& path) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      OutputFile file(path);
+      file.write(std::string(100'000, 'x'));
+      ::raise(SIGKILL);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFSIGNALED(status));
   }
   std::size_t files() const {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator{}));
@@ -102,6 +125,40 @@ TEST_F(WholeFile, TouchesNobodyElsesFile) {
   EXPECT_EQ(files(), 2U);
 }
 
+TEST_F(WholeFile, WhoIsKilledLeavesNothingBehind) {
+  if (!FileDescriptor(::open(folder_.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0644)))
+    GTEST_SKIP() << "the temporary folder's file system has no files without a name";
+  std::ofstream(finished_file) << "old";
+  be_killed_writing(finished_file);
+  EXPECT_EQ(text_of(finished_file), "old");
+  EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(WholeFile, WritesWhereFilesMustHaveANameFromTheStart) {
+  has_proc = false;
+  {
+    Result<FileReplacement> abandoned = FileReplacement::begin(finished_file);
+    ASSERT_TRUE(abandoned && abandoned->write(bytes("half")));
+    EXPECT_EQ(files(), 1U);
+  }
+  EXPECT_EQ(files(), 0U);
+  ASSERT_TRUE(write_whole_file(finished_file, bytes("new")));
+  EXPECT_EQ(text_of(finished_file), "new");
+  EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(WholeFile, LeavesNothingBehindWhereItsPlaceWasTaken) {
+  {
+    Result<FileReplacement> file = FileReplacement::begin(finished_file);
+    ASSERT_TRUE(file && file->write(bytes("new")));
+    fs::create_directory(finished_file);
+    const Result<std::size_t> committed = file->commit(Durability::kPowerCut);
+    ASSERT_FALSE(committed);
+    EXPECT_EQ(committed.error().os_errno, EISDIR);
+  }
+  EXPECT_EQ(files(), 1U);
+}
+
 TEST_F(WholeFile, ALinkStaysOne) {
   fs::create_symlink("target", folder_ / "link");
   std::ofstream(folder_ / "target") << "old";
@@ -143,6 +200,27 @@ TEST_F(WholeFile, OutputInPiecesIsThereAtFinishAndNotBefore) {
   file.finish();
   EXPECT_EQ(fs::file_size(finished_file), 5 * piece.size());
   EXPECT_EQ(syncs, (std::vector<Sync>{{false, false}, {true, true}}));
+}
+
+TEST_F(WholeFile, OfOutputsTogetherNoneIsThereWhereOneFails) {
+  std::ofstream(finished_file) << "old";
+  {
+    OutputFile first(finished_file), second("/dev/full");
+    first.write("new");
+    second.write("new");
+    EXPECT_THROW(finish_together({&first, nullptr, &second}), StartupError);
+  }
+  EXPECT_EQ(text_of(finished_file), "old");
+  OutputFile first(finished_file), second(folder_ / "other");
+  first.write("new");
+  second.write("new");
+  syncs.clear();
+  finish_together({&first, nullptr, &second});
+  EXPECT_EQ(text_of(finished_file), "new");
+  EXPECT_EQ(text_of(folder_ / "other"), "new");
+  EXPECT_EQ(syncs.size(), 4U);
+  EXPECT_FALSE(syncs[0].is_folder || syncs[1].is_folder) << "both are on the disk before one has its name";
+  EXPECT_EQ(files(), 2U);
 }
 
 TEST_F(WholeFile, OutputSaysInOneLineWhatIsInTheWay) {

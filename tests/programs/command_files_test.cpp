@@ -88,6 +88,13 @@ TEST_F(CommandFiles, ReplayGivesEachOutputAPlaceOfItsOwn) {
   EXPECT_FALSE(fs::exists(in("one.csv")));
 }
 
+TEST_F(CommandFiles, ReplayLeavesNoneOfItsFilesWhereOneCanNotBeWritten) {
+  folder_.write("poses.csv", "before");
+  test::expect_refusal(replay({folder_.path(), "--out", in("poses.csv"), "--out-track", "/dev/full"}),
+                       ExitStatus::kWorkFailed, "No space left");
+  EXPECT_EQ(text_of("poses.csv"), "before");
+}
+
 TEST_F(CommandFiles, MapWritesOverNothingThatItReadsButTheMapBefore) {
   const std::string config = text_of("c.toml");
   expect_usage(map({"--out", in("c.toml")}), read_by("c.toml", "--out"));

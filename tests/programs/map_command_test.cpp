@@ -206,6 +206,7 @@ class MapCommandLine : public testing::Test {
 
 TEST_F(MapCommandLine, PlacesSheetsThatPicturesShowTogether) {
   record(6);
+  fails(ExitStatus::kWorkFailed, {"--origin", "1", "--plan", "/dev/full"}, "No space left");
   const test::TypedOutcome outcome = type({"--origin", "1", "--plan", path("plan.svg")});
   ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
   EXPECT_NE(outcome.said.find("3 of 3 landmarks placed"), std::string::npos) << outcome.said;

@@ -24,7 +24,7 @@ TEST(WorldRows, NamesWhatWasRejectedThoughNoLandmarkGivesAPlace) {
   rows.add({}, fix);
   ASSERT_TRUE(fix.rejected.try_push_back(4) && fix.rejected.try_push_back(11));
   rows.add({}, fix);
-  rows.finish();
+  rows.file()->finish();
   std::ifstream stream(folder + "/track.csv");
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   EXPECT_NE(text.find(",0.000000,0,,0.000,0.000,0.000\n"), std::string::npos) << text;
