@@ -6,6 +6,9 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <string>
+
+#include "base/one_line.h"
 
 namespace ninedot {
 namespace {
@@ -50,13 +53,19 @@ std::optional<double> parse_angle_deg(std::string_view text) {
   return angle_deg;
 }
 
+/// As an error may show it, whatever file this is.
+std::string quoted(std::string_view name) {
+  constexpr std::size_t kMost = 40;
+  return one_line(std::string(name.substr(0, kMost))) + (name.size() > kMost ? "..." : "");
+}
+
 /// Where each column is in a row. \return what is wrong with the header, empty = nothing
 std::string read_header(const std::vector<std::string_view>& names, Places& places) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::size_t column = 0;
     while (column < kColumns.size() && kColumns[column] != names[i]) ++column;
     if (column == kColumns.size())
-      return fmt::format("unknown column '{}'; there are frame,timestamp_ns,pan_deg,tilt_deg,zoom", names[i]);
+      return fmt::format("unknown column '{}'; there are frame,timestamp_ns,pan_deg,tilt_deg,zoom", quoted(names[i]));
     if (places[column]) return fmt::format("column '{}' is there twice", names[i]);
     places[column] = i;
   }

@@ -28,6 +28,12 @@ constexpr std::uint64_t kMaxMissing = 10'000;
 /// Longer ones are a clock that jumped; the limit also keeps the times of endless loops within 64 bits.
 constexpr std::chrono::nanoseconds kMaxDuration = std::chrono::hours(24 * 366);
 
+/// R, G, B and alpha of the largest picture, uncompressed, and a quarter for what a file has beside them.
+constexpr std::size_t kMaxPicture_bytes = std::size_t{5} * kMaxPictureSide_px * kMaxPictureSide_px;
+/// A day of kUntimedRate_hz, in rows of 40 bytes.
+constexpr std::size_t kMaxCsv_bytes = std::size_t{128} << 20U;
+constexpr unsigned kMebi = 20;  // as a power of two
+
 [[noreturn]] void refuse(const std::string& line) { throw StartupError(ExitStatus::kWorkFailed, line); }
 
 std::chrono::nanoseconds untimed(std::uint64_t number, double rate_hz) {
@@ -57,7 +63,11 @@ Pictures list_pictures(const std::string& path, std::size_t& largest_file_bytes)
     const auto [place, is_new] = pictures.emplace(static_cast<std::uint64_t>(number), entry.path().string());
     if (!is_new)
       refuse(fmt::format("{}: {} has the same number; remove one of them", entry.path().string(), place->second));
-    largest_file_bytes = std::max(largest_file_bytes, static_cast<std::size_t>(entry.file_size()));
+    const std::size_t bytes = entry.file_size();
+    if (bytes > kMaxPicture_bytes)
+      refuse(fmt::format("{}: longer than {} MiB, as no picture is; remove it", entry.path().string(),
+                         kMaxPicture_bytes >> kMebi));
+    largest_file_bytes = std::max(largest_file_bytes, bytes);
   }
   if (pictures.empty())
     refuse(fmt::format("{}: no picture in it; expected NNNNNN.png, .pgm, .ppm or .jpg", folder.string()));
@@ -70,6 +80,8 @@ std::string missing_picture(const std::string& path, std::uint64_t number, const
 }
 
 void add_timed_frames(const std::string& csv, const Pictures& pictures, RecordingIndex& index) {
+  if (fs::file_size(csv) > kMaxCsv_bytes)
+    refuse(fmt::format("{}: longer than {} MiB; is it the right file?", csv, kMaxCsv_bytes >> kMebi));
   std::ifstream stream(csv, std::ios::binary);
   std::stringstream text;
   text << stream.rdbuf();

@@ -26,6 +26,13 @@ TEST(FramesCsv, ReadsBackWhatItWrote) {
   }
 }
 
+TEST(FramesCsv, QuotesAColumnInOneShortLineThatATerminalMayShow) {
+  const auto what = [](const std::string& name) { return parse_frames_csv("frame," + name + "\n").error().what; };
+  EXPECT_EQ(what("\x1b[2J\a"), "unknown column '?[2J?'; there are frame,timestamp_ns,pan_deg,tilt_deg,zoom");
+  EXPECT_EQ(what(std::string(1000, 'x')),
+            "unknown column '" + std::string(40, 'x') + "...'; there are frame,timestamp_ns,pan_deg,tilt_deg,zoom");
+}
+
 TEST(FramesCsv, HasTheZoomWhereTheCameraToldIt) {
   const std::vector<FramesCsvRow> rows{{0, 0, 0, 0, 0}, {1, 5, 1, 0, {}}, {2, 9, 0, 0, 1023}};
   std::string text(kFramesCsvHeaderWithZoom);

@@ -318,6 +318,20 @@ TEST(RecordingIndex, RefusesARecordingOfUnreadablePicturesOnly) {
   EXPECT_NE(startup_error_of(recording.path()).find("000000.png: not a readable picture"), std::string::npos);
 }
 
+/// They have no contents, so that they take no room; but they would take all memory.
+TEST(RecordingIndex, NamesAFileThatIsTooLongForWhatItIsSaidToBe) {
+  TemporaryRecording recording(2);
+  fs::resize_file(recording.picture(1), std::uintmax_t{400} << 20U);
+  EXPECT_EQ(startup_error_of(recording.path()),
+            recording.picture(1) + ": longer than 320 MiB, as no picture is; remove it");
+  fs::resize_file(recording.picture(1), 43);
+  EXPECT_EQ(startup_error_of(recording.path()), "");
+  recording.write("frames.csv", "frame,timestamp_ns\n0,0\n1,5\n");
+  fs::resize_file(recording.path() + "/frames.csv", std::uintmax_t{200} << 20U);
+  EXPECT_EQ(startup_error_of(recording.path()),
+            recording.path() + "/frames.csv: longer than 128 MiB; is it the right file?");
+}
+
 TEST(RecordingIndex, RefusesTimesThatJumpByYears) {
   TemporaryRecording recording(2);
   recording.write("frames.csv", "frame,timestamp_ns\n0,0\n1,4000000000000000000\n");
