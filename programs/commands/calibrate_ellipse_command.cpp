@@ -130,8 +130,9 @@ void run_ellipse(const EllipseArguments& arguments) {
   const Config config = arguments.config.empty() ? Config{} : read_config(arguments.config);
   std::vector<EllipseShot> shots = read_shots(arguments);
   const RecordingView view = view_of_recording(arguments.recording, arguments.camera, config);
-  check_outputs({{"--out", arguments.out}},
-                {arguments.recording, arguments.config, arguments.camera, arguments.shots_file});
+  std::vector<std::string> inputs = files_of(config, {arguments.recording}, arguments.camera);
+  inputs.insert(inputs.end(), {arguments.recording, arguments.config, arguments.shots_file});
+  check_outputs({{"--out", arguments.out}}, inputs);
   OutputFile out(arguments.out);  // before the work, so that a folder that is not there is told at once
   see(shots, arguments, config, view);
   const EllipseFit fit = fit_ellipse_calibration(shots, view.camera, view.landmark, arguments.focal_length_mm);

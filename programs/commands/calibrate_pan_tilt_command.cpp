@@ -101,6 +101,7 @@ void calibrate_pan_tilt(const PanTiltArguments& arguments, HeadNews* news) {
   const auto [columns, rows] = read_stops(arguments.stops.empty() ? "7x5" : arguments.stops);
   check_arguments(arguments);
   const Config config = read_config(arguments.config);
+  check_outputs({{"--out", arguments.out}}, files_of(config, arguments.recordings, arguments.camera));
   const TerminationSignals signals;  // before the first thread
   OutputFile out(arguments.out);     // before the work, so that a folder that is not there is told at once
   LandmarkGeometry landmark;

@@ -76,7 +76,9 @@ std::string text_of(const RowTimeFit& fit) {
 void run_rolling_shutter(const ShutterArguments& arguments) {
   const Config config = arguments.config.empty() ? Config{} : read_config(arguments.config);
   const RecordingView view = view_of_recording(arguments.recording, arguments.camera, config);
-  check_outputs({{"--out", arguments.out}}, {arguments.recording, arguments.config, arguments.camera});
+  std::vector<std::string> inputs = files_of(config, {arguments.recording}, arguments.camera);
+  inputs.insert(inputs.end(), {arguments.recording, arguments.config});
+  check_outputs({{"--out", arguments.out}}, inputs);
   OutputFile out(arguments.out);  // before the work, so that a folder that is not there is told at once
   RowTimeFit fit;
   for (int pass = 0; pass < kPasses; ++pass) {

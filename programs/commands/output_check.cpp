@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "base/startup_error.h"
+#include "drivers/recording/recording_index.h"
 
 namespace ninedot {
 namespace {
@@ -52,6 +53,16 @@ void check_outputs(const std::vector<NamedOutput>& outputs, const std::vector<st
 }
 
 std::vector<std::string> files_of(const Config& config) { return {config.map, config.camera.calibration}; }
+
+std::vector<std::string> files_of(const Config& config, const std::vector<std::string>& recordings,
+                                  const std::string& camera) {
+  std::vector<std::string> files = files_of(config);
+  if (!camera.empty())
+    files.push_back(camera);
+  else
+    for (const std::string& recording : recordings) files.push_back(recording_camera_file(recording));
+  return files;
+}
 
 void check_named(const NamedOutput& output) {
   if (output.path.empty()) throw StartupError(ExitStatus::kWrongUsage, fmt::format("{} names no file", output.option));

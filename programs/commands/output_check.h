@@ -20,6 +20,10 @@ void check_outputs(const std::vector<NamedOutput>& outputs, const std::vector<st
 
 /// What a command reads beside a configuration because it says so: its map and its calibration. Memory: allocates.
 std::vector<std::string> files_of(const Config& config);
+/// The same, and the calibrations that recordings are looked at with. \param camera  of the command line, for all of
+/// them; empty: each its own camera.yaml
+std::vector<std::string> files_of(const Config& config, const std::vector<std::string>& recordings,
+                                  const std::string& camera);
 
 /// Likewise: an option that has to name a file names none.
 void check_named(const NamedOutput& output);

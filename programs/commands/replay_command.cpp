@@ -140,10 +140,8 @@ class RecordedTimes {
 
 void check_replay_files(const ReplayArguments& arguments, const Config& config) {
   check_recording(arguments.recording);
-  std::vector<std::string> inputs = files_of(config);
-  inputs.insert(inputs.end(),
-                {arguments.recording, arguments.config,
-                 arguments.camera.empty() ? recording_camera_file(arguments.recording) : arguments.camera});
+  std::vector<std::string> inputs = files_of(config, {arguments.recording}, arguments.camera);
+  inputs.insert(inputs.end(), {arguments.recording, arguments.config});
   check_outputs({{"--out", arguments.out.empty() ? "-" : arguments.out},
                  {"--out-world", arguments.out_world},
                  {"--out-track", arguments.out_track},

@@ -126,9 +126,13 @@ TEST_F(CommandFiles, OtherCommandsWriteOverNothingThatTheyRead) {
   folder_.write("hall.pdf", text_of("hall.toml"));
   expect_usage(type(add_pattern_command, {"pattern", "--all", "--config", in("c.pdf")}, {"--out", in("c.pdf")}),
                read_by("c.pdf", "--out"));
-  folder_.write("c.toml", "map = \"hall.pdf\"\n[tap]\nenabled = true\n");
+  folder_.write("c.toml", "map = \"hall.pdf\"\n[tap]\nenabled = true\n[camera]\ncalibration = \"other.yaml\"\n");
   expect_usage(type(add_pattern_command, {"pattern", "--all", "--config", in("c.toml")}, {"--out", in("hall.pdf")}),
                read_by("hall.pdf", "--out"));
+  for (const std::string command : {"rolling-shutter", "pan-tilt"})
+    expect_usage(type(add_calibrate_command, {"calibrate", command, folder_.path(), "--config", in("c.toml")},
+                      {"--out", in("camera.yaml")}),
+                 read_by("camera.yaml", "--out"));
   expect_usage(type(add_tap_command, {"tap", "--config", in("c.toml")}, {"--out", in("c.toml")}),
                read_by("c.toml", "--out"));
 }
