@@ -91,7 +91,11 @@ std::optional<ModbusException> RegisterBank::write(ClientSession& session, std::
   }
   const std::lock_guard lock(mutex_);
   if (const auto refusal = refusal_of_command(session, first, values)) return refusal;
-  if (touches_commands(first, values.size())) session.seen_writes = ++writes_;
+  if (touches_commands(first, values.size())) {
+    // What it had not read before, it has not read now.
+    if (session.seen_writes == writes_) ++session.seen_writes;
+    ++writes_;
+  }
   // The sequence number last: it starts the command, with the set-points of the same request.
   constexpr std::uint16_t kStart = reg::kCommandSequence;
   for (std::size_t i = 0; i < values.size(); ++i)

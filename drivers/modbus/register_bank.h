@@ -31,7 +31,7 @@ struct ClientSession {
   std::chrono::milliseconds watchdog{};  ///< 0: off
   MonoTime last_request_at{};
   bool gives_way = false;
-  std::uint64_t seen_writes = 0;  ///< RegisterBank's count when this client last read, or wrote itself
+  std::uint64_t seen_writes = 0;  ///< of RegisterBank's count: those up to here it has read, or written itself
 };
 
 /// What each one means: proto/metrics.h. Threads: the servers' count, any reads; each one is right by itself, and two

@@ -264,6 +264,17 @@ TEST_F(ModbusRequest, AClientThatGivesWayOverwritesNoCommandThatItHasNotSeen) {
   EXPECT_EQ(ask(write_pdu(reg::kCommand, {1, 9}), polite), done) << "whoever is on the serial line next";
 }
 
+TEST_F(ModbusRequest, AnOwnWriteIsNoLookAtWhatOthersHaveWritten) {
+  ClientSession polite;
+  (void)ask(read_pdu(100, 7), polite);
+  (void)ask(write_pdu(reg::kPanSetPoint, {4500}));
+  (void)ask(write_pdu(reg::kTiltSetPoint, {7}), polite);  // over theirs, as it gives no way yet
+  (void)ask(write_pdu(reg::kGiveWay, {1}), polite);
+  EXPECT_EQ(ask(write_pdu(reg::kPanSetPoint, {0}), polite), exception(16, ModbusException::kDeviceBusy));
+  EXPECT_EQ(registers_of(ask(read_pdu(reg::kPanSetPoint, 2), polite)), (std::vector<std::uint16_t>{4500, 7}));
+  EXPECT_EQ(ask(write_pdu(reg::kPanSetPoint, {0}), polite), (Bytes{16, 0, 105, 0, 1})) << "it has read them";
+}
+
 TEST_F(ModbusRequest, ASilentClientsWatchdogFiresOnce) {
   (void)write_one(reg::kClientWatchdog, 300);
   now_ += std::chrono::milliseconds(299);
