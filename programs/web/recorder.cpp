@@ -180,7 +180,8 @@ void Recorder::write_frames() {
       desk_->take(frame, mono_now());
     else
       desk_->wait(mono_now(), trouble);
-    if (mono_now() - told_at < kTellPeriod) continue;
+    // Where nothing is wanted any more the next round may be an hour off: what ended is told now.
+    if (desk_->wants_frames() && mono_now() - told_at < kTellPeriod) continue;
     told_at = mono_now();
     publish();
   }

@@ -4,6 +4,7 @@
 
 #include <thread>
 
+#include "drivers/tap/tap_writer.h"
 #include "programs/web/recorder_json.h"
 #include "tests/web/recording_frames.h"
 
@@ -43,6 +44,26 @@ TEST(Recorder, SaysWhyNoFrameComes) {
   for (int i = 0; i < 100 && recorder.state_json().find("starting") != std::string::npos; ++i)
     std::this_thread::sleep_for(100ms);
   EXPECT_NE(recorder.state_json().find("is ninedotd running"), std::string::npos) << recorder.state_json();
+}
+
+TEST(Recorder, TellsAtOnceThatARecordingHasEndedByItself) {
+  const MemoryFolder folder;
+  RecorderOptions options = options_in(folder.path());
+  options.rules.longest = 0s;  // over with its first frame: sooner after its start than pages are told of changes
+  TapHeader header;
+  header.width_px = 32, header.height_px = 16, header.rate_hz = 100;
+  TapWriter service(options.tap_path, header);
+  Recorder recorder(options);
+  const std::vector<std::uint8_t> pixels(32 * 16);
+  TapFrame frame;
+  const auto is_over = [&] { return recorder.state_json().find("\"phase\":\"starting\"") == std::string::npos; };
+  for (int i = 0; i < 2; ++i) {  // before the first one nothing was told, and what is first is told at once
+    EXPECT_EQ(recorder.reply_to("start").status, 200U);
+    std::this_thread::sleep_for(50ms);                        // the tap is opened
+    service.publish(frame, {pixels.data(), 32, 16, 32}, {});  // one alone: no later one wakes the recorder
+    for (const MonoTime until = mono_now() + 10s; !is_over() && mono_now() < until;) std::this_thread::sleep_for(10ms);
+    EXPECT_TRUE(is_over()) << recorder.state_json();
+  }
 }
 
 TEST(Recorder, GoesOnWithoutAFolderThatItCanUse) {
