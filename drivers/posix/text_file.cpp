@@ -17,6 +17,7 @@ std::string read_text_file(const std::string& path, std::size_t max_bytes) {
   const Result<std::size_t> count = read_whole_file(path.c_str(), bytes);
   if (!count) {
     const int os_errno = count.error().os_errno;
+    if (os_errno == 0) throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}: {}", path, count.error().text));
     throw StartupError(ExitStatus::kWrongUsage,
                        os_errno == EFBIG
                            ? fmt::format("{}: longer than {} bytes; is it the right file?", path, max_bytes)

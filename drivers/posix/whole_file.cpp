@@ -11,8 +11,14 @@
 #include <memory>
 #include <utility>
 
+#include "base/mono_time.h"
+#include "drivers/posix/poll_until.h"
+
 namespace ninedot {
 namespace {
+
+/// A fifo's writer may be started beside its reader.
+constexpr std::chrono::seconds kWriterComes{1};
 
 /// A name beside `path` that is nobody else's. \param make  makes the file of that name; false, and errno: it can't
 /// \return  empty, and errno: it can't be made
@@ -66,8 +72,15 @@ ssize_t write_to_disk(int descriptor, const void* bytes, std::size_t count) noex
 }
 
 Result<std::size_t> read_whole_file(const char* path, std::span<std::uint8_t> buffer) noexcept {
-  const int descriptor = ::open(path, O_RDONLY | O_CLOEXEC);
+  // Opening a fifo waits for a writer, and nothing ends that where signals are kept for later. One without a writer
+  // reads as an empty file, and one whose writer is still at work says so. Nothing else is opened in another way: a
+  // file that somebody has a lease on would be refused.
+  struct stat status {};
+  const bool is_pipe = ::stat(path, &status) == 0 && S_ISFIFO(status.st_mode);
+  const int descriptor = ::open(path, O_RDONLY | O_CLOEXEC | (is_pipe ? O_NONBLOCK : 0));
   if (descriptor < 0) return fail(Errc::kIo, "cannot be opened", errno);
+  pollfd readable{descriptor, POLLIN, 0};
+  bool has_writer = !is_pipe || poll_until(std::span(&readable, 1), mono_now() + kWriterComes) > 0;
   std::size_t size = 0;
   int error = 0;
   for (;;) {
@@ -76,6 +89,11 @@ Result<std::size_t> read_whole_file(const char* path, std::span<std::uint8_t> bu
     const ssize_t count =
         is_full ? ::read(descriptor, &beyond, 1) : ::read(descriptor, buffer.data() + size, buffer.size() - size);
     if (count < 0 && errno == EINTR) continue;
+    if (count < 0 && errno == EAGAIN && is_pipe) {
+      has_writer = true;
+      (void)poll_until(std::span(&readable, 1), MonoTime::max());
+      continue;
+    }
     if (count < 0) error = errno;
     if (count > 0 && is_full) error = EFBIG;
     if (count <= 0 || error != 0) break;
@@ -83,6 +101,7 @@ Result<std::size_t> read_whole_file(const char* path, std::span<std::uint8_t> bu
   }
   ::close(descriptor);
   if (error != 0) return fail(Errc::kIo, "cannot be read", error);
+  if (!has_writer && size == 0) return fail(Errc::kIo, "is a pipe that nobody writes to");
   return size;
 }
 

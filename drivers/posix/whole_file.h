@@ -20,8 +20,10 @@ using WriteFunction = ssize_t (*)(int descriptor, const void* bytes, std::size_t
 /// write(2) itself. \return  number of bytes, or -1 and an errno. Threads: any; may wait for the disk.
 ssize_t write_to_disk(int descriptor, const void* bytes, std::size_t count) noexcept;
 
+/// Of a pipe all that is written until its last writer closes it, however long that takes.
 /// \return the number of bytes read; the file's end was reached.
-/// \error kIo with errno; EFBIG when the file is longer than `buffer`.
+/// \error kIo with errno; EFBIG when the file is longer than `buffer`; without an errno: a pipe that nobody has open to
+/// write, nor opens within a second.
 /// Memory: none. Threads: any; waits for the disk.
 Result<std::size_t> read_whole_file(const char* path, std::span<std::uint8_t> buffer) noexcept;
 

@@ -1,10 +1,8 @@
 #include "programs/web/access.h"
 
 #include <arpa/inet.h>
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -13,7 +11,7 @@
 #include <cstring>
 
 #include "base/startup_error.h"
-#include "drivers/posix/file_descriptor.h"
+#include "drivers/posix/whole_file.h"
 
 namespace ninedot {
 namespace {
@@ -68,15 +66,17 @@ std::string read_token(const std::string& file) {
   const auto refuse = [&](const std::string& what) {
     throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}: {}", file, what));
   };
-  const FileDescriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!descriptor) refuse(fmt::format("the token can't be read: {}", std::strerror(errno)));
   struct stat status {};
-  if (::fstat(descriptor.get(), &status) != 0) refuse(std::strerror(errno));
+  if (::stat(file.c_str(), &status) != 0) refuse(fmt::format("the token can't be read: {}", std::strerror(errno)));
   if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
     refuse(fmt::format("others may read this token: chmod 600 {}, and write another one into it", file));
-  std::array<char, 512> buffer{};
-  const ssize_t size = ::read(descriptor.get(), buffer.data(), buffer.size());
-  std::string token(buffer.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+  std::array<std::uint8_t, 512> buffer{};
+  const Result<std::size_t> size = read_whole_file(file.c_str(), buffer);
+  const bool is_too_long = !size && size.error().os_errno == EFBIG;
+  if (!size && !is_too_long)
+    refuse(fmt::format("the token can't be read: {}",
+                       size.error().os_errno == 0 ? size.error().text : std::strerror(size.error().os_errno)));
+  std::string token(buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(size.value_or(buffer.size())));
   while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
   if (token.size() < kLeastTokenLength || token.size() >= buffer.size() - 2 ||
       !std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c < '\x7F'; }))

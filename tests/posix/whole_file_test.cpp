@@ -7,10 +7,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "base/startup_error.h"
@@ -48,6 +52,8 @@ extern "C" int access(const char* path, int mode) {
 
 namespace ninedot {
 namespace {
+
+using namespace std::chrono_literals;
 
 namespace fs = std::filesystem;
 
@@ -253,6 +259,65 @@ TEST(ReadWholeFile, TellsAFileThatFitsExactlyFromOneThatIsTooLong) {
   const auto absent = read_whole_file(path.c_str(), buffer);
   ASSERT_FALSE(absent);
   EXPECT_EQ(absent.error().os_errno, ENOENT);
+}
+
+/// A named pipe, and what reading it gave.
+class ReadFifo : public testing::Test {
+ protected:
+  ReadFifo() : path_(fs::temp_directory_path() / ("ninedot-fifo-" + std::to_string(::getpid()))) {
+    EXPECT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+  }
+  ~ReadFifo() override { fs::remove(path_); }
+
+  std::string read() {
+    auto reading = std::async(std::launch::async, [&] {
+      std::vector<std::uint8_t> buffer(100'000);
+      const auto size = read_whole_file(path_.c_str(), buffer);
+      return size ? std::string(buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(*size))
+                  : size.error().text;
+    });
+    if (reading.wait_for(20s) == std::future_status::ready) return reading.get();
+    const FileDescriptor let_go(::open(path_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
+    return "waits without end";
+  }
+
+  fs::path path_;
+};
+
+TEST_F(ReadFifo, ThatNobodyWritesToIsRefused) { EXPECT_EQ(read(), "is a pipe that nobody writes to"); }
+
+TEST_F(ReadFifo, WhoseWriterTakesItsTimeIsReadToItsEnd) {
+  const std::string half(70'000, 'x');  // more than a pipe holds
+  std::thread writer([&] {
+    std::this_thread::sleep_for(100ms);  // it comes later than the reader
+    const FileDescriptor file(::open(path_.c_str(), O_WRONLY | O_CLOEXEC));
+    for (const std::string& text : {std::string("first "), half}) {
+      std::this_thread::sleep_for(1500ms);
+      EXPECT_EQ(::write(file.get(), text.data(), text.size()), static_cast<ssize_t>(text.size()));
+    }
+  });
+  EXPECT_EQ(read(), "first " + half);
+  writer.join();
+}
+
+TEST_F(ReadFifo, WhoseWriterHasNothingToSayIsAnEmptyFile) {
+  std::thread writer([&] { const FileDescriptor file(::open(path_.c_str(), O_WRONLY | O_CLOEXEC)); });
+  EXPECT_EQ(read(), "");
+  writer.join();
+}
+
+TEST(ReadPipe, OfAShellsSubstitutionIsReadAsAFile) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  const FileDescriptor reader(ends[0]);
+  {
+    const FileDescriptor writer(ends[1]);
+    ASSERT_EQ(::write(writer.get(), "text", 4), 4);
+  }
+  std::vector<std::uint8_t> buffer(10);
+  const auto size = read_whole_file(("/dev/fd/" + std::to_string(reader.get())).c_str(), buffer);
+  ASSERT_TRUE(size) << size.error().text;
+  EXPECT_EQ(std::string(buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(*size)), "text");
 }
 
 }  // namespace

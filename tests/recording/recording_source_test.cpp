@@ -1,8 +1,12 @@
 #include "drivers/recording/recording_source.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <future>
 #include <numbers>
 #include <thread>
 #include <vector>
@@ -336,6 +340,32 @@ TEST(RecordingIndex, RefusesTimesThatJumpByYears) {
   TemporaryRecording recording(2);
   recording.write("frames.csv", "frame,timestamp_ns\n0,0\n1,4000000000000000000\n");
   EXPECT_NE(startup_error_of(recording.path()).find("lasts more than a year"), std::string::npos);
+}
+
+/// What a recording in which `fifo` is one is refused with: at once, for whoever waits for a fifo hears no signal.
+std::string refusal_of_fifo(const std::string& recording, const std::string& fifo) {
+  EXPECT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  std::string refusal;
+  auto opening = std::async(std::launch::async, [&] {
+    try {
+      const RecordingSource source(recording, {});
+    } catch (const StartupError& error) {
+      EXPECT_EQ(error.status, ExitStatus::kWrongUsage);
+      refusal = error.what();
+    }
+  });
+  while (opening.wait_for(10s) != std::future_status::ready) {
+    ADD_FAILURE() << "waits without end";
+    ::close(::open(fifo.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
+  }
+  return refusal;
+}
+
+TEST(RecordingSource, WaitsForNoFifo) {
+  const TemporaryRecording recording(1);
+  const std::string y4m = recording.path() + "/pipe.y4m", csv = recording.path() + "/frames.csv";
+  EXPECT_EQ(refusal_of_fifo(y4m, y4m), y4m + ": is a pipe: a recording is read more than once");
+  EXPECT_EQ(refusal_of_fifo(recording.path(), csv), csv + ": is a pipe: a recording is read more than once");
 }
 
 }  // namespace

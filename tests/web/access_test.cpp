@@ -1,10 +1,13 @@
 #include "programs/web/access.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
+#include <future>
 
 #include "base/startup_error.h"
 
@@ -284,8 +287,29 @@ TEST(WebToken, IsReadFromAFileOfItsOwnerAlone) {
   EXPECT_NE(refusal("short\n", 0600).find("32 to 500"), std::string::npos);
   EXPECT_NE(refusal("", 0600).find("32 to 500"), std::string::npos);
   EXPECT_NE(refusal(kToken + "\nand a second line\n", 0600).find("one line"), std::string::npos);
+  EXPECT_NE(refusal(std::string(600, 'x'), 0600).find("32 to 500"), std::string::npos);
   std::filesystem::remove(file);
   EXPECT_THROW(read_token(file), StartupError);
+}
+
+TEST(WebAccess, AFifoThatNobodyWritesToIsNoToken) {
+  const std::string file =
+      (std::filesystem::temp_directory_path() / ("ninedot-fifo-" + std::to_string(::getpid()))).string();
+  ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
+  std::string refusal;
+  auto reading = std::async(std::launch::async, [&] {
+    try {
+      static_cast<void>(read_token(file));
+    } catch (const StartupError& error) {
+      refusal = error.what();
+    }
+  });
+  while (reading.wait_for(10s) != std::future_status::ready) {
+    ADD_FAILURE() << "waits without end";
+    ::close(::open(file.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
+  }
+  EXPECT_EQ(refusal, file + ": the token can't be read: is a pipe that nobody writes to");
+  std::filesystem::remove(file);
 }
 
 }  // namespace
