@@ -198,6 +198,8 @@ class WebServer::Daemon {
       extra.push_back({MHD_OPTION_HTTPS_MEM_CERT, 0, certificate_.data()});
     }
     extra.push_back({MHD_OPTION_END, 0, nullptr});
+    // Not MHD_OPTION_LISTENING_ADDRESS_REUSE: it lets two programs serve one port, by turns (SO_REUSEPORT). Without it
+    // the library asks for SO_REUSEADDR, and a restart need not wait for what the kernel keeps of old connections.
     errno = 0;
     daemon_ = MHD_start_daemon(flags, 0, nullptr, nullptr, &Daemon::on_request, this,  //
                                MHD_OPTION_EXTERNAL_LOGGER, &forget_log, nullptr,       //
@@ -208,9 +210,8 @@ class WebServer::Daemon {
                                MHD_OPTION_CONNECTION_MEMORY_LIMIT, kRequestMemory_bytes,    //
                                MHD_OPTION_NOTIFY_CONNECTION, &Daemon::on_connection, this,  //
                                MHD_OPTION_NOTIFY_COMPLETED, &Daemon::on_answered, this,     //
-                               MHD_OPTION_UNESCAPE_CALLBACK, &leave_escapes, nullptr,
-                               MHD_OPTION_LISTENING_ADDRESS_REUSE, 1U,  //
-                               MHD_OPTION_ARRAY, extra.data(), MHD_OPTION_END);
+                               MHD_OPTION_UNESCAPE_CALLBACK, &leave_escapes, nullptr, MHD_OPTION_ARRAY, extra.data(),
+                               MHD_OPTION_END);
     if (daemon_ != nullptr) return;
     const int error = errno;
     throw StartupError(ExitStatus::kWorkFailed,
