@@ -21,6 +21,7 @@
 #include "drivers/modbus/request.h"
 #include "drivers/modbus/server_thread.h"
 #include "drivers/posix/backoff.h"
+#include "drivers/posix/exclusive_line.h"
 #include "drivers/posix/poll_until.h"
 
 namespace ninedot {
@@ -77,15 +78,14 @@ void check_rtu_line(const ModbusRtuOptions& options) {
 }
 
 void RtuServer::CloseLine::operator()(modbus_t* line) const noexcept {
-  // Unsent bytes would make close() wait, up to 30 s on a line whose other end is gone.
-  if (const int fd = modbus_get_socket(line); fd >= 0) (void)::tcflush(fd, TCIOFLUSH);
+  if (const int fd = modbus_get_socket(line); fd >= 0) give_line_back(fd);
   modbus_close(line);
   modbus_free(line);
 }
 
 RtuServer::Line RtuServer::open_line(const ModbusRtuOptions& options) noexcept {
   Line line(modbus_new_rtu(options.device.c_str(), options.baud, options.parity, 8, options.stop_bits));
-  if (line && modbus_connect(line.get()) != 0) {
+  if (line && (modbus_connect(line.get()) != 0 || !have_line_alone(modbus_get_socket(line.get())))) {
     const int error = errno;
     line.reset();
     errno = error;

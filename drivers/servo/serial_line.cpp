@@ -1,7 +1,6 @@
 #include "drivers/servo/serial_line.h"
 
 #include <fcntl.h>
-#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -11,6 +10,7 @@
 
 #include "base/baud_rates.h"
 #include "base/contract.h"
+#include "drivers/posix/exclusive_line.h"
 
 namespace ninedot {
 namespace {
@@ -52,18 +52,13 @@ Result<SerialLine> SerialLine::open(const std::string& device, int baud) noexcep
   FileDescriptor fd(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!fd) return fail(Errc::kIo, "the serial line cannot be opened", errno);
   if (!set_up(fd.get(), speed_of(baud))) return fail(Errc::kIo, "the serial line cannot be set up", errno);
-  // A console or a second service on the same line would eat half of the replies.
-  if (::ioctl(fd.get(), TIOCEXCL) != 0) return fail(Errc::kIo, "the serial line cannot be had alone", errno);
+  if (!have_line_alone(fd.get())) return fail(Errc::kIo, "the serial line cannot be had alone", errno);
   (void)::tcflush(fd.get(), TCIOFLUSH);
   return SerialLine(std::move(fd));
 }
 
 SerialLine::~SerialLine() {
-  // Unsent bytes would make close() wait, up to 30 s on a line whose other end is gone.
-  if (!fd_) return;
-  (void)::tcflush(fd_.get(), TCIOFLUSH);
-  // A pseudo-terminal remembers it for as long as its other end is open.
-  (void)::ioctl(fd_.get(), TIOCNXCL);
+  if (fd_) give_line_back(fd_.get());
 }
 
 void SerialLine::drop_received() noexcept { (void)::tcflush(fd_.get(), TCIFLUSH); }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <pty.h>
+#include <sys/ioctl.h>
 #include <termios.h>
 
 #include <filesystem>
@@ -59,6 +60,13 @@ class Line {
     return ::cfgetospeed(&now);
   }
 
+  /// Others are refused by open(2), but for root.
+  bool is_had_alone() const {
+    int is_exclusive = 0;
+    (void)::ioctl(slave_.get(), TIOCGEXCL, &is_exclusive);
+    return is_exclusive != 0;
+  }
+
   void send(const Bytes& bytes) const {
     ASSERT_EQ(::write(master_.get(), bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   }
@@ -107,6 +115,13 @@ TEST_F(ModbusRtu, ARequestIsAnswered) {
   line_.send(rtu_frame(1, read_pdu(0, 125, 4)));
   EXPECT_EQ(line_.receive(255).size(), 255U);
   EXPECT_EQ(server_->counters().requests, 2U);
+}
+
+TEST_F(ModbusRtu, TheLineIsHadAloneForAsLongAsItIsServed) {
+  start();
+  EXPECT_TRUE(line_.is_had_alone());
+  server_.reset();
+  EXPECT_FALSE(line_.is_had_alone());
 }
 
 TEST_F(ModbusRtu, EveryRateAndParityCanBeSet) {
