@@ -17,6 +17,7 @@
 #include "drivers/posix/service_manager.h"
 #include "drivers/posix/signals.h"
 #include "programs/assembly/input_files.h"
+#include "programs/log_text.h"
 #include "programs/program.h"
 #include "programs/web/access.h"
 #include "programs/web/apply_request.h"
@@ -132,7 +133,7 @@ void run_web(const std::string& config_path, const std::string& apply_socket, co
       last = config;
     } catch (const StartupError& error) {
       if (!last) throw;
-      fmt::print(stderr, "ninedot-web: {}: the page goes on as it was\n", error.what());
+      fmt::print(stderr, "ninedot-web: {}: the page goes on as it was\n", log_text(error.what()));
       if (!serve(*last, config_path, ninedot, signals, request, manager)) break;
     }
   }

@@ -10,6 +10,7 @@
 #include "drivers/posix/print_patiently.h"
 #include "programs/assembly/row_time_text.h"
 #include "programs/display/live_display.h"
+#include "programs/log_text.h"
 
 namespace ninedot {
 namespace {
@@ -38,7 +39,8 @@ bool ServiceLog::Cause::is_another(const std::string& cause, MonoTime now) {
   return true;
 }
 
-void ServiceLog::write(const std::string& line) {
+void ServiceLog::write(const std::string& text) {
+  const std::string line = log_text(text);
   if (listener_ != nullptr) listener_->on_line(line, mono_now());
   if (display_ != nullptr) display_->make_room();
   // A log that nobody takes is no reason to stop, or to wait: the line is lost, and the registers say what is.

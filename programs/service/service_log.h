@@ -25,8 +25,8 @@ class ServiceLog {
   /// \param display  makes room on the terminal before each line; may be null.
   explicit ServiceLog(LiveDisplay* display = nullptr) : display_(display) {}
 
-  /// One line to standard error: "ninedotd: LINE".
-  void write(const std::string& line);
+  /// One line to standard error: "ninedotd: LINE", of log_text(): what a file quotes may be as long as the file.
+  void write(const std::string& text);
 
   /// \param listener  hears the lines that follow; must outlive this log, or be taken away (null)
   void tell(LogListener* listener) noexcept { listener_ = listener; }

@@ -194,5 +194,19 @@ TEST(ServiceLog, TellsOnceWhatLandmarksShowOfTheShutter) {
   EXPECT_EQ(note({33.1e-6, 0.9e-6, RowTimeSource::kSeen}), "") << "told already";
 }
 
+TEST(ServiceLog, CutsALineThatHasNoEnd) {
+  ServiceLog log;
+  EXPECT_EQ(written([&] { log.write(std::string(1000, 'x')); }), "ninedotd: " + std::string(1000, 'x') + "\n");
+  EXPECT_EQ(written([&] { log.write(std::string(1'000'000, 'x')); }), "ninedotd: " + std::string(997, 'x') + "...\n");
+  std::string letters;
+  while (letters.size() < 2000) letters += "\u00e4";
+  EXPECT_EQ(written([&] { log.write(letters); }), "ninedotd: " + letters.substr(0, 996) + "...\n") << "no half letter";
+}
+
+TEST(ServiceLog, ALineBreakInAPathMakesNoSecondLine) {
+  ServiceLog log;
+  EXPECT_EQ(written([&] { log.write("map a\nb read again"); }), "ninedotd: map a?b read again\n");
+}
+
 }  // namespace
 }  // namespace ninedot
