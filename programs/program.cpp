@@ -10,7 +10,9 @@
 #include <string>
 #include <string_view>
 
+#include "base/one_line.h"
 #include "base/startup_error.h"
+#include "programs/startup_errors.h"
 
 namespace ninedot {
 namespace {
@@ -32,12 +34,9 @@ std::string command_of(const CLI::App& app) {
 
 int run_program(CLI::App& app, int argc, char** argv, const std::function<void()>& work) {
   const std::string name = app.get_name();
-  const auto failed = [&](std::string_view lines, ExitStatus status) {
-    while (!lines.empty()) {
-      const std::string_view line = lines.substr(0, lines.find('\n'));
-      std::fputs(fmt::format("{}: {}\n", name, line).c_str(), stderr);  // where nobody takes it, the status says it
-      lines.remove_prefix(std::min(lines.size(), line.size() + 1));
-    }
+  const auto failed = [&](std::string_view line, ExitStatus status) {
+    // Where nobody takes it, the status says it.
+    std::fputs(fmt::format("{}: {}\n", name, one_line(std::string(line))).c_str(), stderr);
     return static_cast<int>(status);
   };
   // What was printed may still be on its way.
@@ -55,6 +54,13 @@ int run_program(CLI::App& app, int argc, char** argv, const std::function<void()
     return finish(static_cast<ExitStatus>(app.exit(help_or_version)));
   } catch (const CLI::ParseError& error) {
     return failed(std::string(error.what()) + ": see '" + command_of(app) + " --help'", ExitStatus::kWrongUsage);
+  } catch (const StartupErrors& errors) {
+    for (std::string_view lines = errors.what(); !lines.empty();) {
+      const std::string_view line = lines.substr(0, lines.find('\n'));
+      failed(line, errors.status);
+      lines.remove_prefix(std::min(lines.size(), line.size() + 1));
+    }
+    return static_cast<int>(errors.status);
   } catch (const StartupError& error) {
     return failed(error.what(), error.status);
   } catch (const std::exception& error) {

@@ -1,6 +1,6 @@
 #pragma once
 /// What both programs share: the command line is parsed, the work is done, and whatever goes wrong becomes one line on
-/// standard error and an exit status. That includes what was printed and did not arrive.
+/// standard error (each of StartupErrors one) and an exit status. That includes what was printed and did not arrive.
 #include <functional>
 
 namespace CLI {

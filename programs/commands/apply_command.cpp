@@ -1,7 +1,6 @@
 // `ninedot apply`: a new configuration, calibration of camera or head, or map in the old one's place, if the service
 // comes up with it. Until that is known the old one is kept beside it, and brought back otherwise.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -24,6 +23,7 @@
 #include "programs/commands/named_file.h"
 #include "programs/commands/new_head.h"
 #include "programs/commands/service_trial.h"
+#include "programs/startup_errors.h"
 
 namespace ninedot {
 namespace {
@@ -126,8 +126,7 @@ class Apply {
                                                  : subject.name);
     CheckedConfig checked = check_in_child(subject, arguments_.check_as, CheckDepth::kEverything);
     for (const std::string& note : checked.notes) say("note", note);
-    if (!checked.refused.empty())
-      throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}", fmt::join(checked.refused, "\n")));
+    if (!checked.refused.empty()) throw StartupErrors(checked.refused);
     return checked;
   }
 

@@ -1,7 +1,6 @@
 // `ninedot check`: everything that the service would refuse at its start, without starting it, and what it would wait
 // for.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -9,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "base/startup_error.h"
 #include "programs/assembly/input_files.h"
 #include "programs/commands/commands.h"
 #include "programs/commands/config_check.h"
+#include "programs/startup_errors.h"
 
 namespace ninedot {
 namespace {
@@ -58,7 +57,7 @@ void run_check(const std::string& path, bool file_only) {
     fmt::print("  agreed    {}\n", findings.camera());
   }
   for (const std::string& line : note_lines(findings, path)) fmt::print("{}\n", line);
-  if (!refused.empty()) throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}", fmt::join(refused, "\n")));
+  if (!refused.empty()) throw StartupErrors(refused);
 }
 
 }  // namespace
