@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <system_error>
 
 #include "base/startup_error.h"
 #include "drivers/camera/libcamera_device.h"
@@ -106,7 +107,8 @@ std::string calibration_file(const CameraConfig& config) {
 CameraCalibration read_camera_calibration(const CameraConfig& config) {
   if (config.source == "simulated" && config.calibration.empty()) return {default_simulated_camera(config), {}, {}};
   const std::string path = calibration_file(config);
-  if (!std::filesystem::exists(path))
+  // Whatever else is wrong with a path, too long for instance, reading it says.
+  if (std::error_code error; !std::filesystem::exists(path, error) && !error)
     throw StartupError(ExitStatus::kWrongUsage, fmt::format("{}: no such calibration; set camera.calibration", path));
   const CameraCalibration calibration = read_calibration_file(path);
   const CameraModel& camera = calibration.camera;
