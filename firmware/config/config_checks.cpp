@@ -36,6 +36,15 @@ bool is_network(const std::string& text) {
   return error == std::errc{} && end == text.data() + text.size() && length >= 0 && length <= max_length;
 }
 
+/// As it can stand in an address: letters, digits, '.', '-' and '_', or an IP address.
+bool is_host_name(const std::string& text) {
+  const auto is_letter = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-' ||
+           c == '_';
+  };
+  return is_address(text) || (!text.empty() && std::all_of(text.begin(), text.end(), is_letter));
+}
+
 void check_geometry(const LandmarkConfig& landmark, ConfigProblems& problems) {
   const LandmarkFaults faults = find_landmark_faults(
       {landmark.ring_radius_mm, landmark.dot_diameter_mm / 2, landmark.centre_diameter_mm / 2});  // in mm here
@@ -110,6 +119,10 @@ void check_web(const Config& config, ConfigProblems& problems) {
     problems.add(
         problems.line_of("web.listen"),
         fmt::format("'listen' is '{}', which other machines can reach: write a 'token_file' as well", web.listen));
+  for (const std::string& name : web.names)
+    if (!is_host_name(name))
+      problems.add(problems.line_of("web.names"),
+                   fmt::format("'names' lists '{}'; write names like sensor.local, without http:// and port", name));
   if (web.certificate.empty() != web.key.empty())
     problems.add(problems.line_of(web.key.empty() ? "web.certificate" : "web.key"),
                  "TLS needs both 'certificate' and 'key'");

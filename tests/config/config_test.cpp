@@ -318,6 +318,14 @@ TEST(Config, RefusesAddressesAndRatesThatAreNone) {
             "t.toml:2: 'listen' is 'localhost'; write an IPv4 or IPv6 address");
   EXPECT_EQ(error_of("[modbus.tcp]\nallow = [\"10.0.0.256\"]"),
             "t.toml:2: 'allow' lists '10.0.0.256'; write addresses like 10.0.0.1 or 10.0.0.0/8");
+  for (const char* name : {"", "a b", "x/y", "http://a", "sensor:8090", "a\\nb"})
+    EXPECT_NE(error_of(fmt::format("[web]\nnames = [\"sensor\", \"{}\"]", name)).find("t.toml:2: 'names' lists '"),
+              std::string::npos)
+        << name;
+  EXPECT_EQ(error_of("[web]\nnames = [\"http://a\"]"),
+            "t.toml:2: 'names' lists 'http://a'; write names like sensor.local, without http:// and port");
+  EXPECT_EQ(error_of("[web]\nnames = [\"sensor\", \"Sensor_2.local\", \"xn--sensr-hua\", \"10.0.0.1\", \"fe80::1\"]"),
+            "no error");
   EXPECT_EQ(
       error_of("[modbus.rtu]\nbaud = 9601"),
       "t.toml:2: 'baud' is 9601; write one of 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, "
