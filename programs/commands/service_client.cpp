@@ -17,6 +17,11 @@ constexpr auto kPatience = 2s;
 constexpr std::uint16_t kFirstRead = 125;  // what one request reads
 constexpr int kAttempts = 4;               // to read both parts of one frame
 
+/// What the system says of it, where it knows anything.
+std::string with_cause(const Error& error) {
+  return error.os_errno == 0 ? error.text : fmt::format("{}: {}", error.text, std::strerror(error.os_errno));
+}
+
 ModbusTcpClient connect(const std::string& host, std::uint16_t port) {
   Result<ModbusTcpClient> client = ModbusTcpClient::connect(host, port, kPatience);
   if (!client)
@@ -24,11 +29,13 @@ ModbusTcpClient connect(const std::string& host, std::uint16_t port) {
         ExitStatus::kWorkFailed,
         fmt::format(
             "no service answers at {} port {} ({}): is ninedotd running, with [modbus.tcp] in its configuration?", host,
-            port, std::strerror(client.error().os_errno)));
+            port, cause_of(client.error())));
   return std::move(*client);
 }
 
 }  // namespace
+
+std::string cause_of(const Error& error) { return error.os_errno == 0 ? error.text : std::strerror(error.os_errno); }
 
 ServiceClient::ServiceClient(const std::string& host, std::uint16_t port)
     : host_(host), port_(port), client_(connect(host, port)) {}
@@ -41,7 +48,7 @@ void ServiceClient::fail(const std::string& what) const {
 
 RegisterReader ServiceClient::read() {
   const Result<RegisterReader> reader = try_read();
-  if (!reader) fail(fmt::format("{}: {}", reader.error().text, std::strerror(reader.error().os_errno)));
+  if (!reader) fail(with_cause(reader.error()));
   return *reader;
 }
 
@@ -75,7 +82,7 @@ Result<RegisterReader> ServiceClient::try_read() {
 
 void ServiceClient::write(std::uint16_t first, std::span<const std::uint16_t> values) {
   if (const Result<void> done = client_->write_registers(first, values); !done)
-    fail(fmt::format("the command was refused ({})", std::strerror(done.error().os_errno)));
+    fail(fmt::format("the command was refused ({})", cause_of(done.error())));
 }
 
 }  // namespace ninedot

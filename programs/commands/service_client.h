@@ -10,6 +10,9 @@
 
 namespace ninedot {
 
+/// Why a client failed, for people: the system's word, or the client's own where the system has none. Threads: any.
+std::string cause_of(const Error& error);
+
 /// Threads: one.
 class ServiceClient {
  public:

@@ -15,6 +15,7 @@
 #include "base/one_line.h"
 #include "drivers/posix/child_program.h"
 #include "drivers/posix/file_descriptor.h"
+#include "programs/commands/service_client.h"
 #include "proto/register_codec.h"
 
 namespace ninedot {
@@ -110,8 +111,7 @@ std::optional<std::string> ServiceTrial::why_not_active() {
 std::optional<std::string> ServiceTrial::why_no_answer(const std::string& host, std::uint16_t port) {
   if (!client_) {
     Result<ModbusTcpClient> client = ModbusTcpClient::connect(host, port, kModbusPatience);
-    if (!client)
-      return fmt::format("nothing answers at {} port {}: {}", host, port, std::strerror(client.error().os_errno));
+    if (!client) return fmt::format("nothing answers at {} port {}: {}", host, port, cause_of(client.error()));
     client_.emplace(std::move(*client));
   }
   std::array<std::uint16_t, reg::kUptime + 2> words{};

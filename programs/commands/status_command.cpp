@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <string>
 
@@ -37,7 +36,7 @@ void watch(ServiceClient& service, const StatusArguments& arguments) {
     if (!reader && !is_lost) {
       display.make_room();
       fmt::print(stderr, "ninedot: {}: lost the service ({}); waits for it\n", service.place(),
-                 std::strerror(reader.error().os_errno));
+                 cause_of(reader.error()));
     }
     is_lost = !reader;
     if (reader && is_table) display.show(*reader, {}, mono_now());

@@ -1,0 +1,66 @@
+#include "programs/commands/service_client.h"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <thread>
+
+#include "base/startup_error.h"
+#include "drivers/posix/file_descriptor.h"
+
+namespace ninedot {
+namespace {
+
+/// One that speaks something else: it answers a client's first request with `answer`.
+class OtherServer {
+ public:
+  explicit OtherServer(std::string answer) : listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    at_.sin_family = AF_INET;
+    at_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof at_;
+    EXPECT_EQ(::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&at_), size), 0);
+    EXPECT_EQ(::listen(listener_.get(), 1), 0);
+    EXPECT_EQ(::getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&at_), &size), 0);
+    thread_ = std::thread([this, text = std::move(answer)] {
+      const FileDescriptor client(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
+      std::array<char, 12> request{};
+      EXPECT_EQ(::recv(client.get(), request.data(), request.size(), MSG_WAITALL), 12);
+      EXPECT_GT(::send(client.get(), text.data(), text.size(), MSG_NOSIGNAL), 0);
+      EXPECT_EQ(::recv(client.get(), request.data(), 1, 0), 0) << "until the client has gone";
+    });
+  }
+  ~OtherServer() { thread_.join(); }
+  OtherServer(const OtherServer&) = delete;
+  OtherServer& operator=(const OtherServer&) = delete;
+  std::uint16_t port() const { return ntohs(at_.sin_port); }
+
+ private:
+  FileDescriptor listener_;
+  sockaddr_in at_{};
+  std::thread thread_;
+};
+
+/// What reading a server that answers so is refused with, behind its place.
+std::string refusal_of(const std::string& answer) {
+  const OtherServer server(answer);
+  ServiceClient client("127.0.0.1", server.port());
+  try {
+    static_cast<void>(client.read());
+  } catch (const StartupError& error) {
+    return std::string(error.what()).substr(client.place().size());
+  }
+  return "no error";
+}
+
+TEST(ServiceClient, SaysWhatIsWrongWithAnAnswerAndNothingElse) {
+  using std::string_literals::operator""s;
+  EXPECT_EQ(refusal_of("\0\1\0\0\0\5\xff\3\2\0\0"s), ": the server's answer is no valid Modbus reply");
+  EXPECT_EQ(refusal_of("\0\1\0\0\0\3\xff\x83\4"s), ": the server refused the request with a Modbus exception");
+}
+
+}  // namespace
+}  // namespace ninedot
