@@ -10,6 +10,7 @@
 #include <map>
 #include <numbers>
 #include <sstream>
+#include <system_error>
 
 #include "base/startup_error.h"
 #include "base/units.h"
@@ -80,7 +81,8 @@ std::string missing_picture(const std::string& path, std::uint64_t number, const
 }
 
 void add_timed_frames(const std::string& csv, const Pictures& pictures, RecordingIndex& index) {
-  if (fs::file_size(csv) > kMaxCsv_bytes)
+  std::error_code is_no_file;
+  if (fs::file_size(csv, is_no_file) > kMaxCsv_bytes && !is_no_file)
     refuse(fmt::format("{}: longer than {} MiB; is it the right file?", csv, kMaxCsv_bytes >> kMebi));
   std::ifstream stream(csv, std::ios::binary);
   std::stringstream text;

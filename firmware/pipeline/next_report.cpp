@@ -1,5 +1,7 @@
 #include "pipeline/next_report.h"
 
+#include <algorithm>
+
 #include "base/contract.h"
 
 namespace ninedot {
@@ -45,7 +47,9 @@ void fill_rival(const LandmarkFix& fix, const CameraOnBody& camera, Report& repo
   if (!fix.candidates.rival) return;
   const auto& T = fix.candidates.rival->T_landmark_camera;
   const auto T_world = fix.T_world_camera * fix.pose().T_landmark_camera.inverse() * T;
-  report.rival = {fix.candidates.rival->odds, report_pose(T), report_pose(T_world),
+  // A map that has decided knows more than this sheet alone, of which the rival's odds are.
+  const double odds = std::min(fix.candidates.rival->odds, fix.pose().ambiguity);
+  report.rival = {odds, report_pose(T), report_pose(T_world),
                   report_pose(T_world * camera.T_body_camera.inverse())};
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/units.h"
+#include "world/landmark_codes.h"
 
 namespace ninedot {
 namespace {
@@ -53,6 +54,19 @@ void add_unplaced(const BuiltMap& map, const MapStart& start, const SeenLandmark
                     fmt::join(island, ", ")));
 }
 
+/// Those of the dictionary that could not keep their ids.
+void add_renamed(const BuiltMap& map, const MapStart& start, std::vector<std::string>& lines) {
+  for (const MappedLandmark& landmark : map.placed) {
+    if (!start.is_added(landmark.id) || known_code(landmark.id)) continue;
+    int known = 1;
+    while (known < kKnownCodes && known_code(known) != landmark.code) ++known;
+    lines.push_back(
+        fmt::format("landmark {} is the sheet of `ninedot pattern --id {}`, an id that the configuration gives to "
+                    "another code",
+                    landmark.id, known));
+  }
+}
+
 }  // namespace
 
 std::string why_no_map(const SeenLandmarks& seen, const MapStart& start) {
@@ -85,6 +99,7 @@ std::vector<std::string> map_findings(const BuiltMap& map, const MapStart& start
   add_disagreeing(map, recordings, lines);
   for (const std::uint16_t id : map.disagreeing_surveys)
     lines.push_back(fmt::format("landmark {}: the pictures contradict its surveyed place, which was not used", id));
+  add_renamed(map, start, lines);
   add_unplaced(map, start, seen, lines);
   if (!start.config.camera.row_time_us && seen.speed_px_s > kMoving_px_s)
     lines.push_back(

@@ -43,18 +43,24 @@ bool can_be_told_apart(std::string_view code, const std::vector<MapLandmarkConfi
   });
 }
 
-/// Adds those of the dictionary. \return  their ids
+/// Adds those of the dictionary. One whose id the configuration gives to another code has an id beyond the
+/// dictionary's: left out, its sheet would be taken for that of the nearest code. \return  their ids, in order
 std::vector<std::uint16_t> add_dictionary(Config& config) {
   std::vector<std::uint16_t> added;
   const std::vector<MapLandmarkConfig> own = config.landmarks;
-  for (int id = 1; id <= kKnownCodes && config.landmarks.size() < LandmarkMap::kCapacity; ++id) {
-    const std::string_view code = known_code(id).value_or("");
-    if (std::ranges::find(own, id, &MapLandmarkConfig::id) != own.end() || !can_be_told_apart(code, own)) continue;
+  const auto is_taken = [&](int id) { return std::ranges::find(own, id, &MapLandmarkConfig::id) != own.end(); };
+  int beyond = kKnownCodes + 1;
+  for (int known = 1; known <= kKnownCodes && config.landmarks.size() < LandmarkMap::kCapacity; ++known) {
+    const std::string_view code = known_code(known).value_or("");
+    if (!can_be_told_apart(code, own)) continue;
+    while (is_taken(beyond)) ++beyond;
+    const int id = is_taken(known) ? beyond++ : known;
     MapLandmarkConfig& landmark = config.landmarks.emplace_back();
     landmark.id = id;
     landmark.code = code;
     added.push_back(static_cast<std::uint16_t>(id));
   }
+  std::ranges::sort(added);
   config.pose.solver = "full";  // the only one that serves several
   config.pose.max_ambiguity = std::max(config.pose.max_ambiguity, kOddsOfACandidate);
   return added;

@@ -215,6 +215,17 @@ TEST(BodyReport, OfTheRivalIsTheRivalsCameraSeenFromTheBody) {
       << "it is another place";
 }
 
+TEST(BodyReport, OfTheRivalIsNoLikelierThanAllOthersTogether) {
+  Fix fix = valid_fix();
+  fix.landmarks[0].candidates.rival.emplace().odds = 0.4;  // of the sheet alone
+  const auto odds = [&](double ambiguity) {
+    fix.landmarks[0].candidates.list[0].pose.ambiguity = ambiguity;
+    return next_report({}, exposed_frame(), fix, {.now = kExposedAt}).rival.odds;
+  };
+  EXPECT_EQ(odds(0.5), 0.4);
+  EXPECT_EQ(odds(0.002), 0.002) << "its map has decided";
+}
+
 TEST(PoseRegisters, CarryTheCameraInTheWorldUnlessAskedOtherwise) {
   const Report report = next_report({}, exposed_frame(), valid_fix(), {.now = kExposedAt});
   const WireReport by_default = wire_report(report),

@@ -25,6 +25,7 @@
 #include "programs/commands/commands.h"
 #include "tests/programs/typed_command.h"
 #include "tests/support/random.h"
+#include "world/landmark_codes.h"
 #include "world/landmark_map.h"
 #include "world/sighting_fit.h"
 
@@ -409,6 +410,22 @@ TEST_F(MapCommandLine, NamesSheetsThatTheConfigurationDoesNotHave) {
   std::ofstream(folder_ / "ninedot.toml") << "";
   ASSERT_EQ(type({"--origin", "2", "--new"}).status, ExitStatus::kSuccess);
   EXPECT_TRUE(made().find(2)->T_world_landmark.translation_m.isZero());
+}
+
+// Without a code of its own the sheet was placed under the id of the nearest one.
+TEST_F(MapCommandLine, NamesASheetWhoseIdTheConfigurationGivesToAnotherCode) {
+  record(6);
+  std::ofstream(folder_ / "ninedot.toml") << "[[landmarks]]\nid = 2\ncode = \"RRRRKKBB\"\n"
+                                             "[[landmarks]]\nid = 161\ncode = \"KRGBKKRB\"\n";
+  const test::TypedOutcome outcome = type({"--origin", "161", "--new"});
+  ASSERT_EQ(outcome.status, ExitStatus::kSuccess) << outcome.line;
+  EXPECT_NE(outcome.said.find("landmark 162 is the sheet of `ninedot pattern --id 2`"), std::string::npos)
+      << outcome.said;
+  const LandmarkMap map = made();
+  ASSERT_NE(map.find(162), nullptr) << text_of("map.toml");
+  EXPECT_EQ(map.find(162)->code, known_code(2));
+  EXPECT_TRUE(map.find(162)->has_place);
+  EXPECT_FALSE(map.find(2)->has_place);
 }
 
 TEST_F(MapCommandLine, TellsAnotherProgramHowItFares) {
