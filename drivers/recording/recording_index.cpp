@@ -37,6 +37,13 @@ constexpr unsigned kMebi = 20;  // as a power of two
 
 [[noreturn]] void refuse(const std::string& line) { throw StartupError(ExitStatus::kWorkFailed, line); }
 
+/// Opening a fifo waits for a writer, and what was read of one is gone.
+void refuse_pipes(const std::string& path) {
+  for (const std::string& file : {path, path + "/frames.csv"})
+    if (std::error_code none; fs::is_fifo(file, none))
+      throw StartupError(ExitStatus::kWrongUsage, file + ": is a pipe: a recording is read more than once");
+}
+
 std::chrono::nanoseconds untimed(std::uint64_t number, double rate_hz) {
   return std::chrono::nanoseconds(std::llround(static_cast<double>(number) * 1e9 / rate_hz));
 }
@@ -81,8 +88,8 @@ std::string missing_picture(const std::string& path, std::uint64_t number, const
 }
 
 void add_timed_frames(const std::string& csv, const Pictures& pictures, RecordingIndex& index) {
-  std::error_code is_no_file;
-  if (fs::file_size(csv, is_no_file) > kMaxCsv_bytes && !is_no_file)
+  std::error_code none;
+  if (fs::file_size(csv, none) > kMaxCsv_bytes && !none)
     refuse(fmt::format("{}: longer than {} MiB; is it the right file?", csv, kMaxCsv_bytes >> kMebi));
   std::ifstream stream(csv, std::ios::binary);
   std::stringstream text;
@@ -185,6 +192,7 @@ bool RecordingIndex::tells_zoom() const {
 RecordingIndex read_recording_index(const std::string& path) {
   RecordingIndex index;
   index.path = path;
+  refuse_pipes(path);
   try {
     if (!fs::exists(path)) refuse(fmt::format("{}: no such recording", path));
     if (fs::is_directory(path)) {

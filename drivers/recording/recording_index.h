@@ -39,7 +39,7 @@ struct RecordingIndex {
 /// With frames.csv its rows are the recording, and a picture beside them is an error. Without it the numbers must
 /// follow each other: a number that is left out stands for a missing picture, found out when its turn comes. Throws
 /// StartupError(kWorkFailed), one line that names the file: nothing to read, no picture, a damaged frames.csv, a file
-/// that is far too long.
+/// that is far too long; StartupError(kWrongUsage): a fifo.
 RecordingIndex read_recording_index(const std::string& path);
 
 /// The calibration that belongs to a recording: camera.yaml in its folder, or beside the .y4m file. It may not exist.

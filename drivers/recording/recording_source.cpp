@@ -9,28 +9,13 @@
 #include <bit>
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
-#include "base/startup_error.h"
-
 namespace ninedot {
-namespace {
-
-/// The path, or StartupError: opening a fifo waits for a writer, and what was read of one is gone.
-const std::string& without_pipes(const std::string& path) {
-  for (const std::string& file : {path, path + "/frames.csv"})
-    if (std::error_code none; std::filesystem::is_fifo(file, none))
-      throw StartupError(ExitStatus::kWrongUsage, file + ": is a pipe: a recording is read more than once");
-  return path;
-}
-
-}  // namespace
 
 RecordingSource::RecordingSource(const std::string& path, const RecordingOptions& options)
     : options_(options),
-      index_(read_recording_index(without_pipes(path))),
+      index_(read_recording_index(path)),
       size_(options.size == PictureSize{} ? index_.size : options.size),
       reader_(index_, size_) {
   set_times();

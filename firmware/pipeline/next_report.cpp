@@ -49,8 +49,7 @@ void fill_rival(const LandmarkFix& fix, const CameraOnBody& camera, Report& repo
   const auto T_world = fix.T_world_camera * fix.pose().T_landmark_camera.inverse() * T;
   // A map that has decided knows more than this sheet alone, of which the rival's odds are.
   const double odds = std::min(fix.candidates.rival->odds, fix.pose().ambiguity);
-  report.rival = {odds, report_pose(T), report_pose(T_world),
-                  report_pose(T_world * camera.T_body_camera.inverse())};
+  report.rival = {odds, report_pose(T), report_pose(T_world), report_pose(T_world * camera.T_body_camera.inverse())};
 }
 
 /// When the frame was exposed.
