@@ -13,7 +13,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_file_name(const std::string& path) { return !path.empty() && path != "-"; }
+/// A device loses nothing by what is written to it: /dev/null may stand for several.
+bool is_file_name(const std::string& path) {
+  std::error_code none;
+  return !path.empty() && path != "-" && !fs::is_character_file(path, none);
+}
 
 bool is_same_file(const fs::path& a, const fs::path& b) {
   std::error_code error;

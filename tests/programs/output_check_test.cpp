@@ -54,6 +54,7 @@ TEST_F(OutputCheck, RefusesOneFileForTwoOutputs) {
             "standard output would be written twice, by --out and by --picture: name two files");
   EXPECT_EQ(refusal({{"--out", "-"}, {"--picture", "a.svg"}}, {}), "none");
   EXPECT_EQ(refusal({{"--out", ""}, {"--picture", ""}}, {}), "none");
+  EXPECT_EQ(refusal({{"--out", "/dev/null"}, {"--picture", "/dev/null"}}, {}), "none");
 }
 
 TEST_F(OutputCheck, WantsANameWhereThereMustBeOne) {
