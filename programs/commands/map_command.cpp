@@ -43,12 +43,12 @@ struct MapArguments {
 void check_map_files(const MapArguments& arguments, const Config& config) {
   for (const std::string& recording : arguments.recordings) check_recording(recording);
   refuse_repeated(arguments.recordings);
-  std::vector<std::string> inputs = arguments.recordings;
-  inputs.insert(inputs.end(), {arguments.config, arguments.camera, config.camera.calibration});
-  if (arguments.camera.empty())
-    for (const std::string& recording : arguments.recordings) inputs.push_back(recording_camera_file(recording));
+  std::vector<std::string> inputs = files_of(config, arguments.recordings, arguments.camera);
+  check_outputs({{"--plan", arguments.plan}}, inputs);
+  std::erase(inputs, config.map);
+  inputs.insert(inputs.end(), arguments.recordings.begin(), arguments.recordings.end());
+  inputs.push_back(arguments.config);
   check_outputs({{"--out", arguments.out}, {"--plan", arguments.plan}}, inputs);
-  check_outputs({{"--plan", arguments.plan}}, files_of(config));
 }
 
 /// Where it is told how far the work is: a terminal, and another program, which may be gone.

@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -102,8 +103,9 @@ void TokenGate::note_wrong(const std::string& peer, MonoTime now) {
 
 bool Access::is_our_host(std::string_view host) const {
   const std::string name = name_of_host(host);
-  return name == "localhost" || is_ip_address(name) ||
-         std::find(rules_.names.begin(), rules_.names.end(), name) != rules_.names.end();
+  // Capitals say nothing (RFC 9110, section 4.2.3), and browsers send none.
+  const auto is_name = [&](const std::string& own) { return ::strcasecmp(own.c_str(), name.c_str()) == 0; };
+  return is_name("localhost") || is_ip_address(name) || std::ranges::any_of(rules_.names, is_name);
 }
 
 HttpRefusal Access::check_token(const RequestHead& head, MonoTime now) {

@@ -58,7 +58,7 @@ TEST(WebAccess, TakesNoBody) {
 TEST(WebAccess, KnowsItselfByAddressesAndItsOwnNamesAlone) {
   Access access = guarded_access();
   for (const char* host :
-       {"localhost:8090", "127.0.0.1", "[::1]:8090", "192.168.1.5:8090", "sensor7", "sensor7:8090"}) {
+       {"localhost:8090", "127.0.0.1", "[::1]:8090", "192.168.1.5:8090", "sensor7", "sensor7:8090", "Sensor7"}) {
     RequestHead head = looking_at("/");
     head.host = host;
     EXPECT_EQ(access.refusal_of(head, {}).status, 0U) << host;
