@@ -8,6 +8,12 @@
 
 namespace ninedot {
 
+/// How a sheet moves through the picture while that is exposed.
+struct PictureMotion {
+  Eigen::Vector2f line_px{0, 0};     ///< what each point of it draws, from end to end; 0: a point [px]
+  Eigen::Vector2f per_row_px{0, 0};  ///< how much farther on it is in each row than in the one above it [px]
+};
+
 /// A disc of the sheet in the picture, up to the second order of its size: an ellipse, and the sheet around it.
 struct DiscPicture {
   Eigen::Vector2f centre_px{0, 0};  ///< of the outline, lens distortion included
@@ -31,8 +37,8 @@ struct DiscPicture {
     return normal_step(inside_px / blur_px) * area / (area + blur_px * blur_px);
   }
 
- private:
   /// Phi(z), the normal distribution, by the cubic step with the same slope in its middle: within 0.02 of it.
+  /// \param z  [1] \return  0..1
   static float normal_step(float z) noexcept {
     constexpr float kHalfWidth = 1.88F;  // 1.5 / (2 phi(0))
     const float u = std::clamp(0.5F + z / (2 * kHalfWidth), 0.0F, 1.0F);

@@ -125,8 +125,9 @@ struct SheetInks {
 };
 
 SheetInks inks_together(const ImageView& luma, const ChromaView& chroma,
-                        const std::array<DiscPicture, kDotCount>& discs, const LandmarkGeometry& landmark) noexcept {
-  const std::array<InkFit, kDotCount> fits = fit_sheet(luma, chroma, discs, landmark);
+                        const std::array<DiscPicture, kDotCount>& discs, const LandmarkGeometry& landmark,
+                        const Eigen::Vector2f& line_px) noexcept {
+  const std::array<InkFit, kDotCount> fits = fit_sheet(luma, chroma, discs, landmark, line_px);
   SheetInks inks;
   std::copy_n(fits.begin(), kRingDotCount, inks.ring.begin());
   inks.centre = fits[kCentreDot];
@@ -174,28 +175,34 @@ MeasuredInk ink_of(const InkFit& fit, const Eigen::Vector3f& black, float gain, 
 }  // namespace
 
 DotColours ColourReader::read(const ImageView& luma, const ChromaView& chroma,
-                              const CameraFromLandmark& T_camera_landmark, const PictureNoise& noise) const noexcept {
-  return read_places(luma, chroma, T_camera_landmark, noise, kAllPlaces, kMostBlocks);
+                              const CameraFromLandmark& T_camera_landmark, const PictureNoise& noise,
+                              const PictureMotion& motion) const noexcept {
+  return read_places(luma, chroma, T_camera_landmark, noise, motion, kAllPlaces, kMostBlocks);
 }
 
 DotColours ColourReader::watch(const ImageView& luma, const ChromaView& chroma,
                                const CameraFromLandmark& T_camera_landmark, const PictureNoise& noise,
-                               std::uint64_t frame_number) const noexcept {
+                               std::uint64_t frame_number, const PictureMotion& motion) const noexcept {
   const auto places = static_cast<std::uint8_t>(kTwoOpposite << (frame_number % (kRingDotCount / 2)));
-  return read_places(luma, chroma, T_camera_landmark, noise, places, kMostBlocksWatched);
+  return read_places(luma, chroma, T_camera_landmark, noise, motion, places, kMostBlocksWatched);
 }
 
 DotColours ColourReader::read_places(const ImageView& luma, const ChromaView& chroma,
                                      const CameraFromLandmark& T_camera_landmark, const PictureNoise& noise,
-                                     std::uint8_t places, float most_blocks) const noexcept {
+                                     const PictureMotion& motion, std::uint8_t places,
+                                     float most_blocks) const noexcept {
   DotColours colours;
   if (luma.empty() || chroma.empty()) return colours;
   std::array<DiscPicture, kDotCount> discs;
   for (std::size_t dot = 0; dot < kDotCount; ++dot)
     discs[dot] = disc_in_picture(T_camera_landmark, camera_, landmark_.centre_m(dot), landmark_.radius_m(dot));
-  const SheetInks inks = discs[0].semi_minor_px < kTogetherBelow_px
-                             ? inks_together(luma, chroma, discs, landmark_)
-                             : inks_one_by_one(luma, chroma, discs, landmark_, places, most_blocks);
+  const Eigen::Vector2f middle_px = discs[kCentreDot].centre_px;
+  for (DiscPicture& disc : discs) disc.centre_px += (disc.centre_px.y() - middle_px.y()) * motion.per_row_px;
+  const bool draws_lines = motion.line_px.norm() > 2 * discs[0].semi_minor_px;
+  const SheetInks inks =
+      discs[0].semi_minor_px < kTogetherBelow_px || draws_lines
+          ? inks_together(luma, chroma, discs, landmark_, draws_lines ? motion.line_px : Eigen::Vector2f::Zero())
+          : inks_one_by_one(luma, chroma, discs, landmark_, places, most_blocks);
   const Eigen::Vector3f black = black_drop(inks.centre);
   const float gain = ring_gain(inks.ring, black);
   if (gain <= 0) return colours;

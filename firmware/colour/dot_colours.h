@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "colour/disc_picture.h"
 #include "colour/ink_classes.h"
 #include "geometry/camera_model.h"
 #include "geometry/landmark.h"
@@ -33,21 +34,24 @@ class ColourReader {
   ColourReader(const CameraModel& camera, const LandmarkGeometry& landmark) noexcept
       : camera_(camera), landmark_(landmark) {}
 
-  /// All eight places. \param chroma  that came with the luma; empty: grey \param noise  of the luma
+  /// All eight places. \param chroma  that came with the luma; empty: grey \param T_camera_landmark  where P9 is seen
+  /// \param noise  of the luma \param motion  of the sheet; lines that are shorter than a dot are not regarded
   DotColours read(const ImageView& luma, const ChromaView& chroma, const CameraFromLandmark& T_camera_landmark,
-                  const PictureNoise& noise) const noexcept;
+                  const PictureNoise& noise, const PictureMotion& motion = {}) const noexcept;
 
   /// Two opposite places, others with every frame, from fewer samples, for a sixth of the cost: what a landmark takes
   /// whose code is known and only to be watched (CodeReader::evidence_against). Of the others nothing is known. Dots of
-  /// less than 2.8 px are read together or not at all: of them all eight.
+  /// less than 2.8 px, or that draw lines, are read together or not at all: of them all eight.
   /// \param frame_number  any that goes up by one
   DotColours watch(const ImageView& luma, const ChromaView& chroma, const CameraFromLandmark& T_camera_landmark,
-                   const PictureNoise& noise, std::uint64_t frame_number) const noexcept;
+                   const PictureNoise& noise, std::uint64_t frame_number,
+                   const PictureMotion& motion = {}) const noexcept;
 
  private:
   /// \param places  bit k: read place k
   DotColours read_places(const ImageView& luma, const ChromaView& chroma, const CameraFromLandmark& T_camera_landmark,
-                         const PictureNoise& noise, std::uint8_t places, float most_blocks) const noexcept;
+                         const PictureNoise& noise, const PictureMotion& motion, std::uint8_t places,
+                         float most_blocks) const noexcept;
 
   CameraModel camera_;
   LandmarkGeometry landmark_;

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -230,6 +231,13 @@ Result<PlanarPose> solve_likelier_planar_pose(std::span<const PlanePoint> points
   for (const CameraFromLandmark& start : starts)
     if (const PlanarPose pose = refine_planar_pose(points, start); is_solution(pose)) return pose;
   return fail(Errc::kPoseDegenerate, "no planar pose sees the printed side of the dots");
+}
+
+double depth_of_origin(const Eigen::Matrix3d& H) noexcept {
+  const Eigen::Vector2d ray = H.col(2).hnormalized();
+  const Eigen::Matrix2d J = (H.topLeftCorner<2, 2>() - ray * H.bottomLeftCorner<1, 2>()) / H(2, 2);
+  const double squared = J.squaredNorm(), area = J.determinant();
+  return 1 / std::sqrt(0.5 * (squared + std::sqrt(std::max(squared * squared - 4 * area * area, 0.0))));
 }
 
 }  // namespace ninedot

@@ -47,4 +47,12 @@ PlanarPose refine_planar_pose(std::span<const PlanePoint> points, const CameraFr
 /// \error kPoseDegenerate: as above
 Result<Eigen::Matrix3d> fit_homography(std::span<const PlanePoint> points) noexcept;
 
+/// How far away such a map has the plane's origin, by how large it draws what lies there: the larger singular value of
+/// its derivative is 1 / depth (IPPE, as above; where the ray is far from the axis and the plane tilted, within a few
+/// per cent). How it foreshortens, which a few points that are close together hardly tell, is not asked.
+/// \param H  from [m] to rays at z = 1 [1]; third coordinate of the origin > 0 (contract)
+/// \return  along the camera's axis [m]
+/// Memory: none. Threads: pure.
+double depth_of_origin(const Eigen::Matrix3d& H) noexcept;
+
 }  // namespace ninedot

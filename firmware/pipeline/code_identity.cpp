@@ -42,8 +42,8 @@ CodeIdentity::CodeIdentity(const LandmarkMap& map)
       codes_(those(map, indices_)) {}
 
 void CodeIdentity::look(const ColourReader& reader, const Frame& frame, const CameraFromLandmark& T_camera_landmark,
-                        const PictureNoise& noise, ShownColours& shown) const noexcept {
-  const DotColours now = reader.read(frame.luma, frame.chroma, T_camera_landmark, noise);
+                        const PictureMotion& motion, const PictureNoise& noise, ShownColours& shown) const noexcept {
+  const DotColours now = reader.read(frame.luma, frame.chroma, T_camera_landmark, noise, motion);
   if (!now.has_colour) return;
   const float kept = shown.frames < kMostFrames ? 1.0F : 1.0F - 1.0F / kMostFrames;
   const auto add = [kept](float& sum, float one) { sum = kept * sum + one; };
@@ -85,9 +85,9 @@ bool CodeIdentity::contradicts(std::size_t coded, const ShownColours& shown) con
 }
 
 bool CodeIdentity::is_still(std::size_t coded, const ColourReader& reader, const Frame& frame,
-                            const CameraFromLandmark& T_camera_landmark, const PictureNoise& noise,
-                            double& doubt) const noexcept {
-  const DotColours now = reader.watch(frame.luma, frame.chroma, T_camera_landmark, noise, frame.number);
+                            const CameraFromLandmark& T_camera_landmark, const PictureMotion& motion,
+                            const PictureNoise& noise, double& doubt) const noexcept {
+  const DotColours now = reader.watch(frame.luma, frame.chroma, T_camera_landmark, noise, frame.number, motion);
   // Frames share their errors, so that each counts a quarter; what is sure stays no surer than it began.
   const double said = now.has_colour ? std::log(codes_.evidence_against(reader_index(coded), 0, now)) : 0;
   doubt = std::max(kForget * doubt + kFrameCounts * said, 0.0);

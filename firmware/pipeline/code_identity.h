@@ -33,7 +33,7 @@ class CodeIdentity {
   /// the same error from frame to frame (light, ink, where its dots fall on the sensor's pattern): frames count as
   /// kMostFrames at most.
   void look(const ColourReader& reader, const Frame& frame, const CameraFromLandmark& T_camera_landmark,
-            const PictureNoise& noise, ShownColours& shown) const noexcept;
+            const PictureMotion& motion, const PictureNoise& noise, ShownColours& shown) const noexcept;
   static constexpr int kMostFrames = 3;
 
   /// None: its colours do not tell it from another one of the map, or from none, to `max_odds`. \param max_odds  0..1
@@ -52,7 +52,8 @@ class CodeIdentity {
   /// \param doubt  what the frames before said against it, as a logarithm, forgotten within some ten frames; goes on
   /// [1]
   bool is_still(std::size_t coded, const ColourReader& reader, const Frame& frame,
-                const CameraFromLandmark& T_camera_landmark, const PictureNoise& noise, double& doubt) const noexcept;
+                const CameraFromLandmark& T_camera_landmark, const PictureMotion& motion, const PictureNoise& noise,
+                double& doubt) const noexcept;
 
  private:
   std::size_t reader_index(std::size_t map_index) const noexcept;

@@ -63,7 +63,9 @@ struct Fix {
   /// Ids of those of the map, in view or not, that contradict each other, with nothing that says which of them hangs
   /// elsewhere; more than these are not told.
   InlineVector<std::uint16_t, kMaxLandmarksInView> disputed;
-  std::optional<WorldFix> world;     ///< none: not valid, or no landmark in view has a place in the world
+  std::optional<WorldFix> world;  ///< none: not valid, or no landmark in view has a place in the world
+  /// Of all other places of the camera together, where `world` is not there because they are too likely; else 0. [1]
+  double odds_of_other_places = 0;
   std::optional<TrackedPose> track;  ///< by this and all frames before; none: nothing is known of it any more
   RowTime row_time;                  ///< that the frame's rows were taken for
   std::chrono::nanoseconds process_time{};

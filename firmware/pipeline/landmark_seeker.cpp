@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "detect/numbering.h"
+#include "geometry/planar_pose.h"
 #include "pipeline/retaken_rows.h"
 #include "pose/observation_of_pose.h"
 
@@ -182,11 +183,16 @@ Result<std::size_t> LandmarkSeeker::look_at(const CameraFromLandmark& T_camera_l
 Result<std::size_t> LandmarkSeeker::solve(const LandmarkObservation& seen, const PosePrior* prior, Track& track,
                                           bool is_foretold) noexcept {
   const bool full = options_.solver == Solver::kFull;
-  const double scale = 0.5 * (seen.H_ray_plane.col(0).norm() + seen.H_ray_plane.col(1).norm());
-  const KnownMotion motion = motion_of(track, seen.H_ray_plane.col(2) / scale, !seen.from_pose);
+  const Eigen::Vector3d t_m = depth_of_origin(seen.H_ray_plane) * seen.H_ray_plane.col(2) / seen.H_ray_plane(2, 2);
+  const KnownMotion motion = motion_of(track, t_m, !seen.from_pose);
   const auto answer = full ? full_.solve(luma_, seen, prior, budget_.pixels, motion.sheet) : ellipse_.solve(seen);
   if (!answer) {
     if (answer.error().code == Errc::kPoseDegenerate) track.see(seen);
+    // Nine dots about where a landmark's would be a person sees at once, whatever is wrong with them.
+    const auto& refused = full_.refused();
+    if (full && refused && !misfit_ && !is_foretold && has_whole_ring(refused->list[0]) &&
+        is_publishable(refused->list[0].pose))
+      misfit_ = refused;
     return tl::unexpected<Error>(answer.error());
   }
   candidates_ = *answer;

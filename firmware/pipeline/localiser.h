@@ -35,6 +35,8 @@ struct LocaliserOptions {
   /// null: none comes. Must outlive the localiser.
   RoomMapHandoff* new_maps = nullptr;
   MainLandmark main_landmark = MainLandmark::kNearest;  ///< RoomLocaliser
+  /// RoomLocaliser: a pose counts in the world. False: one at a landmark whose place nobody knows is valid as well.
+  bool needs_place = true;
   PoseFilterOptions filter{};
   /// [frames] between two searches of the whole picture while landmarks are followed (RoomLocaliser): three searches a
   /// second at 35 frames a second show a sheet that the map does not expect, at a tenth of a search for each frame.

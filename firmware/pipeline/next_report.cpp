@@ -112,7 +112,7 @@ Report next_report(const Report& before, const Frame& frame, const Fix& fix, con
   if (!fix.landmarks.empty()) fill_rival(fix.main(), mounted_at(frame, context), report);
   if (fix.reason == Reason::kAmbiguous) {
     report.ambiguous = true;
-    report.ambiguity = fix.main().pose().ambiguity;
+    report.ambiguity = std::max(fix.main().pose().ambiguity, fix.odds_of_other_places);
   }
   report.landmarks_seen = static_cast<std::uint16_t>(fix.landmarks.size());
   report.landmarks_rejected = static_cast<std::uint16_t>(fix.rejected.size());

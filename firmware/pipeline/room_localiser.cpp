@@ -53,11 +53,13 @@ SeekerOptions with_map(SeekerOptions options) {
   return options;
 }
 
-Reason reason_of(WorldVerdict verdict) noexcept {
+/// \param needs_place  LocaliserOptions'
+Reason reason_of(WorldVerdict verdict, bool needs_place) noexcept {
   switch (verdict) {
     case WorldVerdict::kValid:
-    case WorldVerdict::kNothingSeen:
       return Reason::kNone;
+    case WorldVerdict::kNothingSeen:
+      return needs_place ? Reason::kUncertain : Reason::kNone;
     case WorldVerdict::kOnlyMoved:
       return Reason::kMoved;
     case WorldVerdict::kAmbiguous:
@@ -66,6 +68,16 @@ Reason reason_of(WorldVerdict verdict) noexcept {
       break;
   }
   return Reason::kPoseDegenerate;
+}
+
+/// What colours are read through, where the dots draw lines.
+PictureMotion motion_in_picture(const OutlineState& outlines, const SheetMotion& sheet,
+                                const CameraModel& camera) noexcept {
+  const Smear smear(outlines);
+  if (smear.parts == 1) return {};
+  const Eigen::Vector3d& t_m = outlines.T_camera_landmark.translation_m;
+  const Eigen::Vector2d px_s = sheet.ray_velocity(t_m, t_m).cwiseProduct(Eigen::Vector2d(camera.fx_px, camera.fy_px));
+  return {smear.line_px.cast<float>(), (sheet.row_time_s * px_s).cast<float>()};
 }
 
 }  // namespace
@@ -318,10 +330,12 @@ void RoomLocaliser::identify(const Frame& frame) noexcept {
     InView& landmark = in_view_[i];
     const CameraFromLandmark T = landmark.candidates.list[landmark.chosen].pose.T_landmark_camera.inverse();
     const CameraFromLandmark T_shown = as_exposed(T, landmark.row_motion.sheet, lens_->seeker.camera());
+    const PictureMotion motion = motion_in_picture(landmark.candidates.list[landmark.chosen].outlines,
+                                                   landmark.row_motion.sheet, lens_->seeker.camera());
     // What was detected anew near there may be another sheet: its colours have to say that it is not.
     if (landmark.identity && landmark.identity->coded && !landmark.is_fresh && !landmark.is_followed) {
       ShownColours now;
-      room_->codes.look(lens_->colours, frame, T_shown, lens_->seeker.noise(), now);
+      room_->codes.look(lens_->colours, frame, T_shown, motion, lens_->seeker.noise(), now);
       if (room_->codes.contradicts(*landmark.identity->coded, now)) {
         landmark.forget_identity();
         frames_since_search_ = options_.search_every;
@@ -329,7 +343,7 @@ void RoomLocaliser::identify(const Frame& frame) noexcept {
     }
     if (!landmark.identity) {
       if (!room_->codes.is_colourless())
-        room_->codes.look(lens_->colours, frame, T_shown, lens_->seeker.noise(), landmark.colours);
+        room_->codes.look(lens_->colours, frame, T_shown, motion, lens_->seeker.noise(), landmark.colours);
       landmark.identity = room_->codes.identify(landmark.colours, options_.trust.max_ambiguity);
       if (landmark.identity && landmark.identity->coded) number_by_code(frame, landmark);
       if (!landmark.identity && landmark.expected) {
@@ -339,8 +353,8 @@ void RoomLocaliser::identify(const Frame& frame) noexcept {
       // Only colours may look as no black dots do: a loudspeaker is no landmark because all of its holes are black.
       if (landmark.identity && !landmark.identity->coded && !landmark.fits_black_and_white) continue;
     } else if (landmark.identity->coded && !landmark.is_fresh) {
-      if (!room_->codes.is_still(*landmark.identity->coded, lens_->colours, frame, T_shown, lens_->seeker.noise(),
-                                 landmark.doubt))
+      if (!room_->codes.is_still(*landmark.identity->coded, lens_->colours, frame, T_shown, motion,
+                                 lens_->seeker.noise(), landmark.doubt))
         continue;
     }
     if (kept != i) in_view_[kept] = landmark;
@@ -417,7 +431,7 @@ void RoomLocaliser::look_at(const Frame& frame) noexcept {
                 : fix_.found            ? Reason::kNotIdentified
                 : budget.is_overdrawn   ? Reason::kCrowded
                                         : Reason::kNoLandmark;
-  if (fix_.reason == Reason::kNone) fix_.reason = reason_of(verdict);
+  if (fix_.reason == Reason::kNone) fix_.reason = reason_of(verdict, options_.needs_place);
   fix_.work = lens_.counts();
   fix_.work.frames_cut = frames_cut_;
 }

@@ -131,6 +131,7 @@ void RoomLocaliser::note_carriers() noexcept {
 void RoomLocaliser::report_world(const WorldPose& world, std::span<const SightedLandmark> sighted,
                                  std::span<const std::size_t> which) noexcept {
   if (world.is_valid()) fix_.world = WorldFix{world.T_world_camera, world.covariance, world.ambiguity, {}};
+  fix_.odds_of_other_places = world.verdict == WorldVerdict::kAmbiguous ? world.ambiguity : 0;
   for (std::size_t i = 0; i < sighted.size(); ++i) {
     const SightingVerdict& verdict = world.sightings[i];
     const std::optional<std::size_t> map_index = sighted[i].coded ? sighted[i].coded : verdict.landmark;

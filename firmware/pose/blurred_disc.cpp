@@ -71,6 +71,7 @@ BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& la
   const double turns = circle.determinant() > 0 ? 1 : -1;  // which way round the angle goes in the picture
   const double share = 1 / static_cast<double>(smear.parts);
   const double per_area = share * W.determinant() / (2 * std::numbers::pi);
+  const Eigen::Vector2d along_line = smear.line_px.normalized(), across_line(-along_line.y(), along_line.x());
   const Eigen::Rotation2Dd on(step);
   Eigen::Vector2d angle(1, 0);  // its cosine and sine
   for (std::size_t i = 0; i < count_; ++i, angle = on * angle) {
@@ -115,19 +116,38 @@ BlurredDisc::BlurredDisc(const OutlinePixels& pixels, const LandmarkGeometry& la
       node.blur_x[k] = static_cast<float>(0.5 * per_area * blur[k].x());
       node.blur_y[k] = static_cast<float>(0.5 * per_area * blur[k].y());
     }
+    if (smear.parts == 1) continue;
+    node.longer = static_cast<float>(per_area * across_px.dot(along_line));
+    node.turned = static_cast<float>(per_area * across_px.dot(across_line));
   }
-  smear_nodes(smear.parts, (W * smear.line_px / static_cast<double>(smear.parts)).cast<float>());
+  smear_nodes(smear, (W * smear.line_px / static_cast<double>(smear.parts)).cast<float>());
 }
 
 /// The outline once for each part of a smear.
-void BlurredDisc::smear_nodes(std::size_t parts, const Eigen::Vector2f& from_part_to_part) noexcept {
-  const std::size_t of_one = count_;
+void BlurredDisc::smear_nodes(const Smear& smear, const Eigen::Vector2f& from_part_to_part) noexcept {
+  const std::size_t of_one = count_, parts = smear.parts;
+  is_line_ = parts > 1;
+  if (is_line_) {
+    // A line of L px at an angle a has the harmonic L^2 / 24 at 2 a; its parts are blurred by what is left of that.
+    const double length_px = smear.line_px.norm(), per_length = 12 / length_px;
+    const double cos = smear.line_px.x() / length_px, sin = smear.line_px.y() / length_px;
+    const double cos2 = cos * cos - sin * sin, sin2 = 2 * cos * sin;
+    const double left = 1 / static_cast<double>(parts * parts);
+    const auto by = [&](double in_line, double aside) -> ByHarmonic {
+      return {static_cast<float>(per_length * in_line), static_cast<float>(per_length * aside),
+              static_cast<float>((left - 1) * in_line), static_cast<float>(left)};
+    };
+    by_harmonic_ = {by(cos2, -sin2), by(sin2, cos2)};
+  }
   for (std::size_t part = parts; part-- > 0;) {  // the first one, which the others are copied from, at last
-    const Eigen::Vector2f by = (static_cast<float>(part) - 0.5F * static_cast<float>(parts - 1)) * from_part_to_part;
+    const float parts_on = static_cast<float>(part) - 0.5F * static_cast<float>(parts - 1);
+    const float share_on = parts_on / static_cast<float>(parts);
+    const Eigen::Vector2f by = parts_on * from_part_to_part;
     for (std::size_t i = 0; i < of_one; ++i) {
       Node& node = nodes_[part * of_one + i];
       node = nodes_[i];
       node.x += by.x(), node.y += by.y();
+      node.longer *= share_on, node.turned *= share_on;
     }
   }
   count_ = parts * of_one;
@@ -149,7 +169,7 @@ bool BlurredDisc::reaches_any(const Lanes& ray_x, const Lanes& ray_y) const noex
   return reached != 0;
 }
 
-template <bool kWithShare, bool kWithMoves, bool kWithBlur>
+template <bool kWithShare, bool kWithMoves, bool kWithBlur, bool kWithLine>
 void BlurredDisc::sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes* share,
                          std::array<Lanes, kMoveColumns>* by_moves,
                          std::array<Lanes, kBlurColumns>* by_blur) const noexcept {
@@ -163,6 +183,7 @@ void BlurredDisc::sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes* share,
   Lanes sum{};
   std::array<Lanes, kMoveColumns> moves{};
   std::array<Lanes, kBlurColumns> blur{};
+  Lanes longer{}, turned{};
   for (std::size_t i = 0; i < count_; ++i) {
     const Node node = nodes_[i];  // a copy: by reference the loops over lanes become no vector instructions
     Lanes weight, along_x, along_y;
@@ -179,7 +200,15 @@ void BlurredDisc::sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes* share,
       for (std::size_t k = 0; k < kBlurColumns; ++k)
         for (std::size_t l = 0; l < kLanes; ++l)
           blur[k][l] += along_x[l] * node.blur_x[k] + along_y[l] * node.blur_y[k];
+    if constexpr (kWithLine)
+      for (std::size_t l = 0; l < kLanes; ++l)
+        longer[l] -= weight[l] * node.longer, turned[l] -= weight[l] * node.turned;
   }
+  if constexpr (kWithLine)
+    for (std::size_t k = 0; k < by_harmonic_.size(); ++k)
+      for (std::size_t l = 0; l < kLanes; ++l)
+        blur[k + 1][l] = by_harmonic_[k].longer * longer[l] + by_harmonic_[k].turned * turned[l] +
+                         by_harmonic_[k].mean * blur[0][l] + by_harmonic_[k].harmonic * blur[k + 1][l];
   if constexpr (kWithShare) *share = sum;
   if constexpr (kWithMoves) *by_moves = moves;
   if constexpr (kWithBlur) *by_blur = blur;
@@ -187,20 +216,23 @@ void BlurredDisc::sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes* share,
 
 NINEDOT_VECTOR_CLONES
 void BlurredDisc::ink_share(const Lanes& ray_x, const Lanes& ray_y, Lanes& share) const noexcept {
-  sum_up<true, false, false>(ray_x, ray_y, &share, nullptr, nullptr);
+  sum_up<true, false, false, false>(ray_x, ray_y, &share, nullptr, nullptr);
 }
 
 NINEDOT_VECTOR_CLONES
 void BlurredDisc::ink_share(const Lanes& ray_x, const Lanes& ray_y, Lanes& share,
                             std::array<Lanes, kMoveColumns>& by_moves,
                             std::array<Lanes, kBlurColumns>& by_blur) const noexcept {
-  sum_up<true, true, true>(ray_x, ray_y, &share, &by_moves, &by_blur);
+  if (is_line_)
+    sum_up<true, true, true, true>(ray_x, ray_y, &share, &by_moves, &by_blur);
+  else
+    sum_up<true, true, true, false>(ray_x, ray_y, &share, &by_moves, &by_blur);
 }
 
 NINEDOT_VECTOR_CLONES
 void BlurredDisc::ink_by_blur(const Lanes& ray_x, const Lanes& ray_y,
                               std::array<Lanes, kBlurColumns>& by_blur) const noexcept {
-  sum_up<false, false, true>(ray_x, ray_y, nullptr, nullptr, &by_blur);
+  sum_up<false, false, true, false>(ray_x, ray_y, nullptr, nullptr, &by_blur);
 }
 
 }  // namespace ninedot

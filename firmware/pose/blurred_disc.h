@@ -11,7 +11,8 @@
 /// Review 56, 2014).
 ///
 /// Motion draws a line of each point, which is no Gaussian: the outline's nodes are there once for each part of the
-/// smear (Smear).
+/// smear (Smear). More of the blur's harmonic is a longer line there, or one that is turned: its parts move. (Taken for
+/// more of a Gaussian, which blurs the line's ends and leaves them where they are, it led steps astray from 8 px on.)
 ///
 /// The outlines' common offset moves the nodes and leaves their parts as long as they are: by what a disc has shrunk,
 /// its ink is more than whole inside. Contrast is each group's own and takes that out again; a dot's contrast stays
@@ -76,17 +77,26 @@ class BlurredDisc {
     float part_x, part_y;                   ///< [sigma], over 4 pi
     std::array<float, kMoveColumns> moves;  ///< the area that each sweeps [sigma^2 per unit], over 2 pi
     std::array<float, kBlurColumns> blur_x, blur_y;
+    float longer,
+        turned;  ///< the area that it sweeps where the smear's line is longer, or turned, by a pixel, over 2 pi
   };
-  template <bool kWithShare, bool kWithMoves, bool kWithBlur>
+  template <bool kWithShare, bool kWithMoves, bool kWithBlur, bool kWithLine>
   void sum_up(const Lanes& ray_x, const Lanes& ray_y, Lanes* share, std::array<Lanes, kMoveColumns>* by_moves,
               std::array<Lanes, kBlurColumns>* by_blur) const noexcept;
 
-  void smear_nodes(std::size_t parts, const Eigen::Vector2f& from_part_to_part) noexcept;
+  void smear_nodes(const Smear& smear, const Eigen::Vector2f& from_part_to_part) noexcept;
 
   std::size_t count_ = 0;
-  Eigen::Vector2f middle_ray_;     ///< of the dot
-  Eigen::Matrix2f sigma_per_ray_;  ///< what a ray beside that one is in sigmas of the blur
-  Eigen::Vector2f reach_;          ///< of its nodes from the middle, along either axis [sigma]
+  /// What a unit of the blur's harmonic makes of a smear: how much longer its line is, and turned aside at its end
+  /// [1/px]; and how much more blurred, all ways and by their own harmonic, its parts are [1].
+  struct ByHarmonic {
+    float longer, turned, mean, harmonic;
+  };
+  std::array<ByHarmonic, kBlurColumns - 1> by_harmonic_;  ///< along x and along the diagonal
+  bool is_line_ = false;                                  ///< a smear of several parts; else by_harmonic_ is not valid
+  Eigen::Vector2f middle_ray_;                            ///< of the dot
+  Eigen::Matrix2f sigma_per_ray_;                         ///< what a ray beside that one is in sigmas of the blur
+  Eigen::Vector2f reach_;                                 ///< of its nodes from the middle, along either axis [sigma]
   static constexpr std::size_t kMostNodesOfAll = std::max(kMostNodes, Smear::kMostParts* kSmearedNodes);
   std::array<Node, kMostNodesOfAll> nodes_;
 };

@@ -146,8 +146,7 @@ Eigen::Vector2d FullSolver::Workspace::ray_at_middle(const LandmarkObservation& 
                                                      const Eigen::Vector2d& ray, double row_px,
                                                      const SheetMotion& motion) const noexcept {
   if (motion.row_time_s == 0) return ray;
-  const Eigen::Matrix3d sheet =
-      seen.H_ray_plane / (0.5 * (seen.H_ray_plane.col(0).norm() + seen.H_ray_plane.col(1).norm()));
+  const Eigen::Matrix3d sheet = depth_of_origin(seen.H_ray_plane) / seen.H_ray_plane(2, 2) * seen.H_ray_plane;
   const Eigen::Vector2d C = landmark.centre_m(dot);
   const Eigen::Vector3d p_m = sheet * C.homogeneous();
   if (!(p_m.z() > 0)) return ray;
@@ -353,6 +352,7 @@ FullSolver::~FullSolver() = default;
 Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkObservation& seen, const PosePrior* prior,
                                          int& pixels, const SheetMotion& motion) noexcept {
   Workspace& w = *workspace_;
+  refused_.reset();
   NINEDOT_TRY(const Starts starts, w.starts_from(seen, prior, motion));
   w.is_mirror_open = false;
   PoseCandidates candidates;
@@ -379,8 +379,10 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
   // Where a reading that is none of a landmark fits as well, the picture shows none.
   for (const PoseCandidate& reading : candidates.list)
     if (reading.refined && reading.chi2_above < kUndecided_chi2)
-      if (const auto usable = check_pose(reading.pose, w.camera, w.landmark, w.options.most_sigma); !usable)
+      if (const auto usable = check_pose(reading.pose, w.camera, w.landmark, w.options.most_sigma); !usable) {
+        if (usable.error().code == Errc::kNoLandmark) refused_ = candidates;
         return tl::unexpected<Error>(usable.error());
+      }
   // An edge of light explains much of what is no disc.
   const bool has_tone = w.fit_light(luma, chosen, candidates.warp_px, pixels, candidates.list[0]);
   candidates.list[0].shape = (has_tone ? w.lit : chosen).shape();

@@ -1,6 +1,7 @@
 #pragma once
 /// `solver = "full"`: near the maximum-likelihood pose, from the grey levels along all dot outlines.
 #include <memory>
+#include <optional>
 
 #include "base/result.h"
 #include "detect/observation.h"
@@ -44,6 +45,8 @@ class FullSolver {
   /// \error kPoseDegenerate: what is visible does not determine a pose. kNoLandmark: the outlines are no landmark's.
   Result<PoseCandidates> solve(const ImageView& luma, const LandmarkObservation& seen, const PosePrior* prior,
                                int& pixels, const SheetMotion& motion = {}) noexcept;
+  /// What the last solve() came to where it said kNoLandmark: for showing people what was looked at.
+  const std::optional<PoseCandidates>& refused() const noexcept { return refused_; }
 
   /// The pose without a detector: from the outlines where they are expected. It takes about half the time, and the
   /// answer is that of `solve`. \param expected  what is found and not like that is not the landmark
@@ -60,6 +63,7 @@ class FullSolver {
  private:
   struct Workspace;
   std::unique_ptr<Workspace> workspace_;
+  std::optional<PoseCandidates> refused_;
 };
 
 }  // namespace ninedot

@@ -17,8 +17,8 @@ constexpr double kLeastTone = -0.5, kMostTone = 1.5;
 // Of the variance, what a triangle over the neighbours adds in the mean over the pattern, each way.
 constexpr double kInterpolated_px2 = 0.5;
 // A smear's parts are no longer than that: what a Gaussian of its variance is off by from such a line is no more than
-// noise.
-constexpr double kLongestPart_px = 3;
+// noise. Beside a wider blur a longer part is as near to one: defocus is no smear.
+constexpr double kLongestPart_px = 3, kLongestPart_sigmas = 3.6;
 
 }  // namespace
 
@@ -40,8 +40,10 @@ Smear::Smear(const OutlineState& state) noexcept
     : blur_px2(state.blur_px2), cos_px2(state.blur_cos_px2), sin_px2(state.blur_sin_px2) {
   const double harmonic_px2 = std::hypot(cos_px2, sin_px2);
   const double length_px = std::sqrt(24 * harmonic_px2);  // a twelfth of its square is twice as much
-  if (!(length_px > kLongestPart_px)) return;
-  parts = std::min(static_cast<std::size_t>(std::ceil(length_px / kLongestPart_px)), kMostParts);
+  const double across_px2 = std::max(blur_px2 - harmonic_px2, 0.0);
+  const double longest_px = std::max(kLongestPart_px, kLongestPart_sigmas * std::sqrt(across_px2));
+  if (!(length_px > longest_px)) return;
+  parts = std::min(static_cast<std::size_t>(std::ceil(length_px / longest_px)), kMostParts);
   const double angle_rad = 0.5 * std::atan2(sin_px2, cos_px2);
   line_px = length_px * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
   const double left = 1 / static_cast<double>(parts * parts);

@@ -60,6 +60,7 @@ LocaliserOptions localiser_options(const Config& config) {
   options.trust = {config.pose.max_ambiguity, config.pose.max_sigma_percent / 100};
   options.map = landmark_map(config);
   options.main_landmark = config.pose.main_landmark == "surest" ? MainLandmark::kSurest : MainLandmark::kNearest;
+  options.needs_place = config.outputs.pose != "camera_in_landmark";
   options.filter = pose_filter_options(config);
   return options;
 }

@@ -265,6 +265,63 @@ TEST(DotColours, WatchesAllOfSmallDotsAtOnce) {
   EXPECT_GT(codes.evidence_against(3, 0, colours), 1e3);
 }
 
+/// A picture that has moved by `line_px` to the right while it was exposed.
+struct MovedPicture {
+  MovedPicture(const ColourPicture& still, int line_px) : width_px(still.luma.view().width_px) {
+    const ImageView grey = still.luma.view();
+    const ChromaView of_colour = still.chroma();
+    luma.resize(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(grey.height_px));
+    chroma.resize(luma.size() / 2);
+    const auto mean = [&](int x, int width, int steps, const auto& at) {
+      double sum = 0;
+      for (int i = 0; i < steps; ++i) sum += at(std::clamp(x + i - steps / 2, 0, width - 1));
+      return static_cast<std::uint8_t>(std::lround(sum / steps));
+    };
+    for (int y = 0; y < grey.height_px; ++y)
+      for (int x = 0; x < width_px; ++x)
+        luma[static_cast<std::size_t>(y * width_px + x)] =
+            mean(x, width_px, line_px, [&](int from) { return double{1} * grey.row(y)[from]; });
+    for (int y = 0; y < of_colour.height; ++y)
+      for (int x = 0; x < of_colour.width; ++x)
+        for (const auto& [plane, to] : {std::pair{of_colour.cb, 0}, {of_colour.cr, 1}})
+          chroma[static_cast<std::size_t>(y * width_px + 2 * x + to)] = mean(
+              x, of_colour.width, line_px / 2,
+              [&](int from) { return double{1} * plane[y * of_colour.stride_bytes + from * of_colour.step_bytes]; });
+  }
+  ImageView view() const { return {luma.data(), width_px, static_cast<int>(luma.size()) / width_px, width_px}; }
+  ChromaView colours() const {
+    return {chroma.data(), chroma.data() + 1, width_px / 2, static_cast<int>(luma.size()) / width_px / 2, 2, width_px};
+  }
+  int width_px;
+  std::vector<std::uint8_t> luma, chroma;
+};
+
+TEST(DotColours, AreReadAlongTheLinesThatMotionDraws) {
+  const std::vector<MappedLandmark> landmarks = known_landmarks();
+  const CodeReader codes(landmarks);
+  constexpr int kLine_px = 10;
+  int named = 0, named_as_if_it_stood = 0, wrong = 0, shown = 0;
+  for (std::size_t i = 1; i < landmarks.size(); ++i)
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      const ColourScene scene = scene_of(landmarks[i].code, 3.0);
+      const MovedPicture picture(test::render_colour(scene, ChromaLayout::k420, seed), kLine_px);
+      const ColourReader reader(camera_of(scene), LandmarkGeometry{});
+      const auto read = [&](const PictureMotion& motion) {
+        return codes.decode(
+            reader.read(picture.view(), picture.colours(), pose_of(scene.scene), PictureNoise(picture.view()), motion));
+      };
+      const CodeReading along = read({.line_px = {kLine_px, 0}}), as_if_it_stood = read({});
+      ++shown;
+      const auto is_named = [&](const CodeReading& reading) { return reading.best && reading.odds_of_others < 0.01; };
+      named += is_named(along) && along.best->landmark == i && along.best->turn == 0;
+      wrong += is_named(along) && !(along.best->landmark == i && along.best->turn == 0);
+      named_as_if_it_stood += is_named(as_if_it_stood) && as_if_it_stood.best->landmark == i;
+    }
+  EXPECT_GE(named, 0.9 * shown);
+  EXPECT_EQ(wrong, 0);
+  EXPECT_LE(named_as_if_it_stood, 0.5 * shown) << "else lines need no reading of their own";
+}
+
 TEST(DotColours, KnowsNothingOfAGreyPicture) {
   const ColourScene scene = scene_of("KRGBKKRB", 8);
   ColourPicture picture = test::render_colour(scene, ChromaLayout::k420, 1);

@@ -161,6 +161,39 @@ TEST_F(PlanarPoseLaws, FrontalViewsAreSolvedWithoutLossOfPosition) {
   }
 }
 
+Eigen::Matrix3d map_of(const CameraFromLandmark& T) {
+  Eigen::Matrix3d H;
+  H << T.rotation.col(0), T.rotation.col(2), T.translation_m;
+  return H;
+}
+
+TEST_F(PlanarPoseLaws, AMapTellsItsDepthByItsScale) {
+  for (int i = 0; i < 200; ++i) {
+    const CameraFromLandmark T = any_pose(60);
+    const double scale = number(0.1, 10);  // a map has none of its own
+    EXPECT_NEAR(depth_of_origin(scale * map_of(T)) / T.translation_m.z(), 1, 0.15);
+    const CameraFromLandmark frontal = look(number(0.3, 7), 0, 0, number(-M_PI, M_PI));
+    EXPECT_NEAR(depth_of_origin(scale * map_of(frontal)) / frontal.translation_m.z(), 1, 1e-9);
+  }
+}
+
+// Dots that lie within 20 px say where they are, and hardly how they are foreshortened.
+TEST_F(PlanarPoseLaws, DepthOfADistantMapOutlastsItsNoise) {
+  double most_off = 0, most_off_by_columns = 0;
+  for (int i = 0; i < 200; ++i) {
+    const CameraFromLandmark T = look(5, number(0, 0.5), number(-M_PI, M_PI), number(-0.3, 0.3));
+    std::vector<PlanePoint> points = observe(T, 0.4 / 600, random_);
+    for (const int hidden : {7, 3, 1}) points.erase(points.begin() + hidden);
+    const auto H = fit_homography(points);
+    ASSERT_TRUE(H);
+    most_off = std::max(most_off, std::abs(depth_of_origin(*H) / T.translation_m.z() - 1));
+    const double by_columns = (*H)(2, 2) / (0.5 * (H->col(0).norm() + H->col(1).norm()));
+    most_off_by_columns = std::max(most_off_by_columns, std::abs(by_columns / T.translation_m.z() - 1));
+  }
+  EXPECT_LT(most_off, 0.2);
+  EXPECT_GT(most_off_by_columns, 0.5) << "else the other way would do";
+}
+
 TEST_F(PlanarPoseLaws, ZeroWeightRemovesAPoint) {
   const CameraFromLandmark truth = look(1, 35 * kRad, 0.4, 0.2);
   auto points = observe(truth, 0, random_);

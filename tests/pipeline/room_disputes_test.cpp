@@ -67,6 +67,7 @@ TEST(RoomDisputes, NameBothUntilAThirdOneDecides) {
   EXPECT_FALSE(tie.world);
   EXPECT_EQ(tie.reason, Reason::kAmbiguous);
   const Report told = next_report({}, frame_of(two, 1), tie, {});
+  EXPECT_GT(told.ambiguity, 0.01) << "of the camera's place: each landmark by itself is sure";
   EXPECT_EQ(told.landmarks_disputed, 2);
   EXPECT_EQ(told.disputed_ids, (std::array<std::uint16_t, 2>{1, 2}));
 

@@ -233,6 +233,26 @@ TEST(RoomLocaliser, KnowsACodedSheetByItsColoursAtAnyRoll) {
   }
 }
 
+/// What is reported as the camera in the world would be one at a sheet, and at another one once that is nearer.
+TEST(RoomLocaliser, HasNoPlaceInTheWorldByASheetThatNobodyHasPlaced) {
+  test::Viewpoint viewpoint = kFromAside;
+  viewpoint.distance_m = 1.4;
+  const test::ColourPicture picture = coded_picture("KRGBKKRB", viewpoint, 3);
+  const LandmarkMap placed = map_of_codes();
+  std::vector<MappedLandmark> landmarks(placed.landmarks().begin(), placed.landmarks().end());
+  for (MappedLandmark& landmark : landmarks)
+    landmark.has_place = landmark.id != 11, landmark.T_world_landmark = WorldFromLandmark{};
+  for (const bool needs_place : {true, false}) {
+    RoomLocaliser unit(CameraModel{}, {.map = LandmarkMap(landmarks), .needs_place = needs_place});
+    const Fix& fix = unit.process(frame_of(picture, 1));
+    ASSERT_EQ(fix.landmarks.size(), 1U);
+    EXPECT_EQ(fix.main().id, 11);
+    EXPECT_FALSE(fix.world);
+    EXPECT_EQ(fix.reason, needs_place ? Reason::kUncertain : Reason::kNone);
+    EXPECT_EQ(next_report({}, frame_of(picture, 1), fix, {}).valid, !needs_place);
+  }
+}
+
 TEST(RoomLocaliser, SaysThatACodeOfAnotherMapIsNoneOfIts) {
   test::Viewpoint viewpoint = kFromAside;
   viewpoint.distance_m = 1.4;

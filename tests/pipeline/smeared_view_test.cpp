@@ -30,14 +30,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kRate_hz = 35, kExposure_s = 0.005;
+constexpr double kRate_hz = 35, kExposure_s = 0.005, kLongExposure_s = 0.007;
 constexpr int kFrames = 27;
 
 /// Three sheets 4.3 m away, and a camera that looks to and fro, by up to 160 degrees per second.
 class LookingAround {
  public:
   /// \param seed  of where the sheets hang and the camera stands; 0: as is told here
-  explicit LookingAround(unsigned seed) {
+  explicit LookingAround(unsigned seed, double exposure_s = kExposure_s) : exposure_s_(exposure_s) {
     std::mt19937 random(seed);
     const auto about = [&](double middle, double up_to) {
       return seed == 0 ? middle : std::uniform_real_distribution(middle - up_to, middle + up_to)(random);
@@ -47,7 +47,7 @@ class LookingAround {
     camera_m_ = {about(-0.3, 0.3), about(0.1, 0.5), about(1.35, 0.1)};
     set_noise(sensor_, 1.5);
     const test::RoomRenderer renderer(room_, lens_, sensor_);
-    const test::Shutter shutter{kExposure_s, 0, test::kSanitized ? 2 : 14};
+    const test::Shutter shutter{exposure_s, 0, test::kSanitized ? 2 : 14};
     for (int number = 0; number < kFrames; ++number)
       pictures_.push_back(
           read_out(renderer.expose([&](double after_s) { return camera_at(number / kRate_hz + after_s); }, shutter),
@@ -71,13 +71,14 @@ class LookingAround {
     frame.luma = pictures_[static_cast<std::size_t>(number)].luma.view();
     frame.chroma = pictures_[static_cast<std::size_t>(number)].chroma();
     const auto at = std::chrono::nanoseconds(std::llround(1e9 * number / kRate_hz));
-    frame.set_exposure(MonoTime(5s + at), tells_exposure ? 5ms : 0ms);
+    frame.set_exposure(MonoTime(5s + at),
+                       std::chrono::nanoseconds(tells_exposure ? std::llround(1e9 * exposure_s_) : 0));
     return frame;
   }
   const LandmarkMap& map() const { return map_; }
   CameraModel camera() const { return test::pinhole_of(lens_); }
   /// What a point in the middle draws.
-  double line_px(int number) const { return std::abs(rate_rad_s(number)) * kExposure_s * camera().fx_px; }
+  double line_px(int number) const { return std::abs(rate_rad_s(number)) * exposure_s_ * camera().fx_px; }
   int in_view(int number) const {
     int count = 0;
     for (const MappedLandmark& landmark : map_.landmarks()) {
@@ -90,6 +91,7 @@ class LookingAround {
   }
 
  private:
+  double exposure_s_;
   test::Lens lens_;
   test::Sensor sensor_;
   test::Room room_;
@@ -283,6 +285,23 @@ TEST(SmearedView, FindsThemInOnePictureByItself) {
   }
 }
 
+// Dots of 3 px draw lines that are longer than the ring's radius.
+TEST(SmearedView, FindsThemInLinesOfFourteenPixels) {
+  const LookingAround room(0, kLongExposure_s);
+  for (const bool tells_exposure : {true, false}) {
+    const Seen seen = look_around(room, tells_exposure, false);
+    if (test::kSanitized) continue;
+    // Where a picture does not say how long it was exposed, its first landmark has nothing to go by.
+    if (tells_exposure) {
+      EXPECT_GT(seen.named, 0.65 * seen.shown);
+    }
+    EXPECT_EQ(seen.wrong, 0);
+    EXPECT_EQ(seen.beyond_5_sigma, 0);
+    EXPECT_EQ(seen.rejected, 0);
+    EXPECT_NEAR(seen.line_share / std::max(seen.named, 1), 1, 0.05);
+  }
+}
+
 /// More rooms: NINEDOT_SMEARED_ROOMS, two by default.
 TEST(SmearedView, HardlyAnyPlaceOfManyRoomsIsWrong) {
   if (test::kSanitized) return;  // of two pictures, which are no line: allocations and bounds the others ask
@@ -310,7 +329,7 @@ TEST(SmearedView, HardlyAnyPlaceOfManyRoomsIsWrong) {
   EXPECT_LE(sum.rejected, sum.valid / 50);
 }
 
-/// A black-and-white sheet, and the camera of LookingAround.
+/// A black-and-white sheet 3 m away, where its place is known to less than 3 %, and else the camera of LookingAround.
 TEST(SmearedView, OneLandmarkAloneIsFittedAsALineAsWell) {
   const LookingAround& room = looking_around();
   test::Room wall;
@@ -321,18 +340,22 @@ TEST(SmearedView, OneLandmarkAloneIsFittedAsALineAsWell) {
   test::Sensor sensor;
   set_noise(sensor, 1.5);
   const test::RoomRenderer renderer(wall, lens, sensor);
+  const auto nearer_at = [&](double time_s) {
+    test::CameraPose at = room.camera_at(time_s);
+    at.position_m[0] += 1.3;
+    return at;
+  };
   std::vector<test::ColourPicture> pictures;
   for (int number = 0; number < kFrames; ++number)
-    pictures.push_back(
-        read_out(renderer.expose([&](double after_s) { return room.camera_at(number / kRate_hz + after_s); },
-                                 {kExposure_s, 0, test::kSanitized ? 2 : 14}),
-                 sensor, test::ChromaLayout::k420, static_cast<std::uint64_t>(number)));
-  const auto truth = room.camera_at(0).position_m;
+    pictures.push_back(read_out(renderer.expose([&](double after_s) { return nearer_at(number / kRate_hz + after_s); },
+                                                {kExposure_s, 0, test::kSanitized ? 2 : 14}),
+                                sensor, test::ChromaLayout::k420, static_cast<std::uint64_t>(number)));
+  const auto truth = nearer_at(0).position_m;
   const Eigen::Vector3d camera_m =
       test::axes_of(hung.side).transpose() * (Eigen::Vector3d(truth.data()) - test::place_of(wall, hung));
   for (const bool tells_exposure : {true, false}) {
     Localiser unit(test::pinhole_of(lens), {.row_time = 0ns});
-    int valid = 0, beyond_6_sigma = 0;
+    int valid = 0, beyond_6_sigma = 0, smeared = 0, lines = 0;
     double exposure_s = 0;
     for (int number = 0; number < 2 * kFrames; ++number) {
       const std::size_t at = static_cast<std::size_t>(number % kFrames);
@@ -344,7 +367,14 @@ TEST(SmearedView, OneLandmarkAloneIsFittedAsALineAsWell) {
       const test::AllocationGuard guard;
       const Fix& fix = unit.process(frame);
       EXPECT_EQ(guard.allocations(), 0U) << number;
+      smeared += number >= kFrames && room.line_px(number % kFrames) > 5;
       if (fix.landmarks.empty()) continue;
+      if (number >= kFrames && room.line_px(number % kFrames) > 5) {
+        const PoseCandidate& shown = fix.main().candidates.list[fix.main().chosen];
+        const double aside = shown.outlines.T_camera_landmark.translation_m.hnormalized().x();
+        const double drawn_px = room.line_px(number % kFrames) * (1 + aside * aside);
+        lines += std::abs(Smear(shown.outlines).line_px.norm() / drawn_px - 1) < 0.1;
+      }
       exposure_s = fix.main().row_motion.sheet.exposure_s;
       if (fix.main().verdict != Reason::kNone) continue;
       ++valid;
@@ -356,6 +386,7 @@ TEST(SmearedView, OneLandmarkAloneIsFittedAsALineAsWell) {
     if (test::kSanitized) continue;
     EXPECT_NEAR(exposure_s, kExposure_s, tells_exposure ? 1e-9 : 6e-4) << "as told, or learned";
     EXPECT_GT(valid, 10);
+    EXPECT_GT(lines, smeared / 3) << "of lines of 5 to 10 px, as long as they are";
     EXPECT_EQ(beyond_6_sigma, 0);
   }
 }

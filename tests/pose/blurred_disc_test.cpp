@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -131,21 +132,47 @@ TEST(BlurredDisc, IsALineOfDiscsWhereMotionSmears) {
       std::array<Lanes, kMoveColumns> moves;
       std::array<Lanes, kBlurColumns> blur;
       BlurredDisc(pinhole(), {}, smeared, kDot, Asked::kState).ink_share(x, y, share, moves, blur);
-      const auto share_after = [&](double by) {
+      const auto share_after = [&](const auto& change) {
         OutlineState moved = smeared;
-        moved.T_camera_landmark.translation_m += by * smeared.T_camera_landmark.rotation.col(0);
+        change(moved);
         Lanes other;
         BlurredDisc(pinhole(), {}, moved, kDot, Asked::kLightOnly).ink_share(x, y, other);
         return static_cast<double>(other[0]);
       };
-      const double numeric = -(share_after(1e-3) - share_after(-1e-3)) / 2e-3;
+      const auto after_move = [&](double by_m) {
+        return share_after([&](OutlineState& moved) {
+          moved.T_camera_landmark.translation_m += by_m * smeared.T_camera_landmark.rotation.col(0);
+        });
+      };
+      const double numeric = -(after_move(1e-3) - after_move(-1e-3)) / 2e-3;
       EXPECT_NEAR(static_cast<double>(moves[3][0]), numeric, 1) << along;  // of 10 to 40 at the line's ends
+      // A longer line reaches further and is brighter; more of a Gaussian would be neither.
+      const std::array by_unknown{&OutlineState::blur_px2, &OutlineState::blur_cos_px2, &OutlineState::blur_sin_px2};
+      for (std::size_t k = 0; k < kBlurColumns; ++k) {
+        constexpr double kStep_px2 = 0.01;
+        const auto after = [&](double by_px2) {
+          return share_after([&](OutlineState& moved) { moved.*by_unknown[k] += by_px2; });
+        };
+        EXPECT_NEAR(static_cast<double>(blur[k][0]), -(after(kStep_px2) - after(-kStep_px2)) / (2 * kStep_px2), 0.004)
+            << length_px << " px, " << along << ", " << k;  // of 0.05 to 0.13
+      }
     }
     Lanes far_x, far_y;
     far_x.fill(static_cast<float>(picture_px(smeared, LandmarkGeometry{}.centre_m(kDot)).x() / kFocal_px + 0.1));
     far_y.fill(0);
     EXPECT_FALSE(disc.reaches_any(far_x, far_y));
   }
+}
+
+/// Three pixels of motion are no line in a picture that is out of focus.
+TEST(Smear, IsLongerThanItsBlurIsWide) {
+  OutlineState state;
+  state.blur_px2 = 1.1, state.blur_cos_px2 = 0.3, state.blur_sin_px2 = -0.3;
+  EXPECT_EQ(Smear(state).parts, 2U);
+  state.blur_px2 = 4;
+  EXPECT_EQ(Smear(state).parts, 1U);
+  state.blur_px2 += 4, state.blur_cos_px2 += 4;
+  EXPECT_EQ(Smear(state).parts, 2U) << "10 px, and a blur of 2 px across";
 }
 
 // A blur that is wide along an outline reaches over its bend: a profile across it is off by up to half a pixel.

@@ -24,5 +24,14 @@ TEST(LocaliserOptions, ASimulatedCamerasRowsAreKnown) {
   EXPECT_EQ(localiser_options(config).row_time, 0ns);
 }
 
+TEST(LocaliserOptions, NeedPlacesWherePosesAreReportedInTheWorld) {
+  Config config;
+  EXPECT_TRUE(localiser_options(config).needs_place);
+  config.outputs.pose = "camera_in_landmark";
+  EXPECT_FALSE(localiser_options(config).needs_place);
+  config.outputs.pose = "body_in_world";
+  EXPECT_TRUE(localiser_options(config).needs_place);
+}
+
 }  // namespace
 }  // namespace ninedot
