@@ -1,6 +1,8 @@
 #include "track/world_track.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <limits>
 
 #include "geometry/renumbered.h"
 
@@ -10,6 +12,14 @@ namespace {
 /// From one frame to the next a sheet moves before the camera by no more than this share of its distance: what
 /// RoomLocaliser allows one that it has lost.
 constexpr double kSamePlace = 0.1;
+/// Those beside one that know the camera's place so many times less well agree with it wherever that one hangs.
+constexpr double kNoWitness = 3;
+
+double position_variance_m2(const PoseInformation& information) noexcept {
+  const Eigen::LDLT<PoseInformation> ldlt(information);
+  if (!(ldlt.info() == Eigen::Success && ldlt.vectorD().minCoeff() > 0)) return std::numeric_limits<double>::infinity();
+  return ldlt.solve(PoseInformation::Identity()).topLeftCorner<3, 3>().trace();
+}
 
 }  // namespace
 
@@ -32,7 +42,8 @@ WorldPose WorldTrack::place(MonoTime exposed_at, std::span<const SightedLandmark
   number(world, seen, map);
   verdict_ = FilterVerdict::kNothing;
   if (may_enter(world, seen, solver.max_ambiguity())) follow(exposed_at, world, seen, map);
-  if (verdict_ == FilterVerdict::kStarted || verdict_ == FilterVerdict::kTaken) note_stand(exposed_at, world, prior);
+  if (verdict_ == FilterVerdict::kStarted || verdict_ == FilterVerdict::kTaken)
+    note_stand(exposed_at, world, prior, solver.landmark());
   return world;
 }
 
@@ -82,7 +93,24 @@ void WorldTrack::forget_landmarks() noexcept {
   doubted_.reset();
 }
 
-void WorldTrack::note_stand(MonoTime exposed_at, const WorldPose& world, const WorldPrior& prior) noexcept {
+/// The one that the newest place is made of, alone or beside others that say next to nothing of it. \return  index [1]
+std::optional<std::size_t> WorldTrack::carrier(const WorldPose& world,
+                                               const LandmarkGeometry& landmark) const noexcept {
+  if (stands_on_.size() == 1) return stands_on_[0];
+  InlineVector<PoseInformation, kMaxSightings> of_each;
+  PoseInformation of_all = PoseInformation::Zero();
+  for (const JointMember& member : used_.members) {
+    (void)of_each.try_push_back(fit_of_member(member, world.T_world_camera, landmark).normal);
+    of_all += of_each[of_each.size() - 1];
+  }
+  const double most_m2 = kNoWitness * kNoWitness * position_variance_m2(of_all);
+  for (std::size_t i = 0; i < of_each.size() && i < stands_on_.size(); ++i)
+    if (position_variance_m2(of_all - of_each[i]) > most_m2) return stands_on_[i];
+  return std::nullopt;
+}
+
+void WorldTrack::note_stand(MonoTime exposed_at, const WorldPose& world, const WorldPrior& prior,
+                            const LandmarkGeometry& landmark) noexcept {
   stands_on_.clear();
   for (const SightingVerdict& verdict : world.sightings)
     if (verdict.use == SightingUse::kUsed && verdict.landmark) (void)stands_on_.try_push_back(*verdict.landmark);
@@ -94,8 +122,7 @@ void WorldTrack::note_stand(MonoTime exposed_at, const WorldPose& world, const W
   const WorldReading& seen = *std::ranges::min_element(readings_, {}, [&](const WorldReading& reading) {
     return (reading.T_world_camera.translation_m - at_m).squaredNorm();
   });
-  stand_.note(stands_on_.size() == 1 ? std::optional(stands_on_[0]) : std::nullopt, before, seen.T_world_camera,
-              world.covariance);
+  stand_.note(carrier(world, landmark), before, seen.T_world_camera, world.covariance);
 }
 
 void WorldTrack::number(const WorldPose& world, std::span<const SightedLandmark> seen,

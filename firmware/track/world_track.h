@@ -53,7 +53,9 @@ class WorldTrack {
   bool may_enter(const WorldPose& world, std::span<const SightedLandmark> seen, double max_ambiguity) const noexcept;
   void follow(MonoTime exposed_at, const WorldPose& world, std::span<const SightedLandmark> seen,
               const LandmarkMap& map) noexcept;
-  void note_stand(MonoTime exposed_at, const WorldPose& world, const WorldPrior& prior) noexcept;
+  void note_stand(MonoTime exposed_at, const WorldPose& world, const WorldPrior& prior,
+                  const LandmarkGeometry& landmark) noexcept;
+  std::optional<std::size_t> carrier(const WorldPose& world, const LandmarkGeometry& landmark) const noexcept;
 
   PoseFilter filter_;
   LoneStand stand_;

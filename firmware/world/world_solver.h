@@ -28,6 +28,7 @@ class WorldSolver {
  public:
   WorldSolver(std::vector<PlacedLandmark> landmarks, const LandmarkGeometry& landmark,
               const WorldOptions& options = {});
+  const LandmarkGeometry& landmark() const noexcept { return landmark_; }
 
   /// \param seen  in one picture; at most kMaxSightings (contract) \param prior  null: nothing is known
   /// Remembers which landmarks were found moved.

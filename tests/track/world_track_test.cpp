@@ -215,6 +215,44 @@ TEST(WorldTrack, OneOfTwoThatContradictedEachOtherIsNoAnswerAlone) {
   EXPECT_LE(wrong, 10);
 }
 
+/// One that is far away agrees with whatever is near, wherever that hangs: it is no second witness.
+TEST(WorldTrack, AMovedOneBesideOneThatKnowsLittleIsNoWitnessAgainstIt) {
+  Random random(2301);
+  constexpr int kTrials = 40, kFar = 10, kNear = 20;
+  int valid = 0, wrong = 0, valid_with_third = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const test::Room room = test::random_room(random, {.landmarks = 3, .nearest_m = 1.5, .farthest_m = 2.5});
+    std::vector<MappedLandmark> mapped;
+    for (std::uint16_t id = 1; id <= 3; ++id) mapped.push_back({id, "", room.map[id - 1U].T_world_landmark});
+    const LandmarkMap map(mapped);
+    WorldSolver solver(room.map, {});
+    WorldTrack track(PoseFilterOptions{});
+    const auto look = [&](int frame, std::size_t count, double certainty) {
+      std::vector<SightedLandmark> seen;
+      for (std::size_t i = 0; i < count; ++i) {
+        const WorldFromLandmark& place = room.map[i].T_world_landmark;
+        WorldFromLandmark hung = place;
+        if (i == 0) hung.translation_m -= 0.2 * place.rotation.col(1);  // the wall is farther than the map has it
+        seen.push_back(test::sighting_of(random, room.T_world_camera, hung));
+        seen.back().coded = i;
+        seen.back().others_odds = 1e-5;
+        if (i > 0)
+          for (DotSighting& dot : seen.back().sighting.dots) dot.information *= certainty;
+      }
+      return track.place(instant(frame), seen, map, solver);
+    };
+    for (int frame = 0; frame < kFar; ++frame) static_cast<void>(look(frame, 2, 1e-5));
+    for (int frame = kFar; frame < kFar + kNear; ++frame) {
+      const WorldPose pose = look(frame, 2, 1);
+      valid += pose.is_valid() ? 1 : 0;
+      wrong += pose.is_valid() && test::nees(pose, room.T_world_camera) > 60 ? 1 : 0;
+    }
+    valid_with_third += look(kFar + kNear, 3, 1).is_valid() ? 1 : 0;
+  }
+  EXPECT_LE(wrong, 0.02 * kTrials * kNear) << "of " << valid << " valid ones";
+  EXPECT_GE(valid_with_third, 0.8 * kTrials);
+}
+
 /// A sheet does not move while it is looked at: it was the camera that was knocked aside.
 TEST(WorldTrack, BeginsAnewAtOnceWhereTheOneThatItStandsOnIsElsewhere) {
   Random random(33);
