@@ -267,10 +267,12 @@ std::optional<PoseCandidate> FullSolver::Workspace::weigh_mirror(const ImageView
   mirror.chi2_above = believable(first->chi2_above(mirrored, kBeyondDoubt_chi2), mirrored);
   const bool is_settled = prior != nullptr && apart_rad > kApart_rad &&
                           is_on_settled_side(*prior, first->state().T_camera_landmark, mirrored.T_camera_landmark);
-  // A wrong pose of few dots has weights that suit it, and by these the right one is excluded by 80 to 3600.
-  const double decisive_chi2 = is_settled                           ? kSettled_chi2
-                               : dots_in_sight(visible) <= kFewDots ? std::numeric_limits<double>::infinity()
-                                                                    : kDecisive_chi2;
+  // A wrong pose of few dots has weights that suit it, and one of dots that draw lines has lines that do: by these the
+  // right one is excluded by 80 to 3600.
+  const bool suits_itself = dots_in_sight(visible) <= kFewDots || Smear(mirrored).parts > 1;
+  const double decisive_chi2 = is_settled     ? kSettled_chi2
+                               : suits_itself ? std::numeric_limits<double>::infinity()
+                                              : kDecisive_chi2;
   mirror.refined = !(mirror.chi2_above > decisive_chi2);
   if (!mirror.refined) return mirror;
   const OptimiserStatistics& steps =
@@ -370,7 +372,8 @@ Result<PoseCandidates> FullSolver::solve(const ImageView& luma, const LandmarkOb
     mirror->refined = false;
   } else {
     mirror = w.weigh_mirror(luma, prior, candidates.warp_px, pixels);
-    if (is_better(mirror) && dots_in_sight(w.second->visible_share()) <= kFewDots)
+    if (is_better(mirror) &&
+        (dots_in_sight(w.second->visible_share()) <= kFewDots || mirror->chi2_above < -kUndecided_chi2))
       w.begin_with_mirror(luma, prior, candidates.warp_px, pixels, best, mirror);
   }
   // A mirror image that there was nothing left to refine with is not excluded by a glance.
