@@ -9,9 +9,11 @@
 #include <iostream>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/one_line.h"
 #include "base/startup_error.h"
+#include "base/suggestion.h"
 #include "programs/startup_errors.h"
 
 namespace ninedot {
@@ -28,6 +30,19 @@ std::string command_of(const CLI::App& app) {
     command += " " + at->get_name();
   }
   return command;
+}
+
+/// As CLI11 has it, but for a command that there is not: it says that one is missing, of a word that is there.
+std::string mistake_of(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* at = &app;
+  while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
+  const std::vector<std::string> unknown = at->remaining();
+  if (at->get_require_subcommand_min() == 0 || unknown.empty()) return error.what();
+  Suggestion suggestion(unknown.front());
+  const std::vector<const CLI::App*> commands = at->get_subcommands([](const CLI::App*) { return true; });
+  for (const CLI::App* known : commands) suggestion.consider(known->get_name());
+  return fmt::format("unknown {} '{}'{}", unknown.front().starts_with('-') ? "option" : "command", unknown.front(),
+                     suggestion.text());
 }
 
 }  // namespace
@@ -53,7 +68,7 @@ int run_program(CLI::App& app, int argc, char** argv, const std::function<void()
   } catch (const CLI::Success& help_or_version) {
     return finish(static_cast<ExitStatus>(app.exit(help_or_version)));
   } catch (const CLI::ParseError& error) {
-    return failed(std::string(error.what()) + ": see '" + command_of(app) + " --help'", ExitStatus::kWrongUsage);
+    return failed(mistake_of(app, error) + ": see '" + command_of(app) + " --help'", ExitStatus::kWrongUsage);
   } catch (const StartupErrors& errors) {
     for (std::string_view lines = errors.what(); !lines.empty();) {
       const std::string_view line = lines.substr(0, lines.find('\n'));

@@ -36,5 +36,29 @@ TEST(RunProgram, GivesEachOfSeveralErrorsALine) {
   EXPECT_EQ(ending.status, 2);
 }
 
+std::string refusal_of(std::vector<std::string> words) {
+  CLI::App app{"", "tool"};
+  app.require_subcommand(1);
+  app.add_subcommand("replay", "");
+  CLI::App* const group = app.add_subcommand("calibrate", "");
+  group->require_subcommand(1);
+  group->add_subcommand("camera", "");
+  words.insert(words.begin(), "tool");
+  std::vector<char*> typed;
+  for (std::string& word : words) typed.push_back(word.data());
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run_program(app, static_cast<int>(typed.size()), typed.data()), 2);
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(RunProgram, NamesACommandThatThereIsNot) {
+  EXPECT_EQ(refusal_of({"repaly", "x"}), "tool: unknown command 'repaly'; did you mean 'replay'?: see 'tool --help'\n");
+  EXPECT_EQ(refusal_of({"banana"}), "tool: unknown command 'banana': see 'tool --help'\n");
+  EXPECT_EQ(refusal_of({"calibrate", "camra"}),
+            "tool: unknown command 'camra'; did you mean 'camera'?: see 'tool calibrate --help'\n");
+  EXPECT_EQ(refusal_of({"--quiet"}), "tool: unknown option '--quiet': see 'tool --help'\n");
+  EXPECT_EQ(refusal_of({}), "tool: A subcommand is required: see 'tool --help'\n");
+}
+
 }  // namespace
 }  // namespace ninedot
