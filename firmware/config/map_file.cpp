@@ -20,11 +20,6 @@ std::string sigmas(const char* key, const Eigen::Vector3d& variances, double per
                      sigma(variances.y(), per_unit), sigma(variances.z(), per_unit));
 }
 
-/// Of the sheet's X axis about the world's Z.
-double heading_deg(const Transform<frame::World, frame::Landmark>& place) {
-  return std::atan2(place.rotation(1, 0), place.rotation(0, 0)) * kDegPerRad;
-}
-
 }  // namespace
 
 std::string format_map(std::span<const MappedLandmark> landmarks, std::span<const std::string> comment,
@@ -41,7 +36,7 @@ std::string format_map(std::span<const MappedLandmark> landmarks, std::span<cons
     const Eigen::Quaterniond q = landmark.T_world_landmark.quaternion();
     text += fmt::format("position_mm = [{:.3f}, {:.3f}, {:.3f}]\n", p_mm.x(), p_mm.y(), p_mm.z());
     text += fmt::format("orientation_wxyz = [{:.9f}, {:.9f}, {:.9f}, {:.9f}]  # heading {:.2f} deg\n", q.w(), q.x(),
-                        q.y(), q.z(), heading_deg(landmark.T_world_landmark));
+                        q.y(), q.z(), heading_rad(landmark.T_world_landmark) * kDegPerRad);
     if (landmark.from_pictures) text += "from_pictures = true\n";
     if (landmark.covariance.isZero(0)) continue;
     text += sigmas("sigma_position_mm", landmark.covariance.diagonal().head<3>(), kMmPerMetre);

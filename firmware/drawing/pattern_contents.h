@@ -14,7 +14,7 @@ struct ListedLandmark {
   int landmark_id = 0;
   std::string code;                                  ///< P1..P8, eight of K R G B; empty = black and white
   std::optional<std::array<double, 3>> position_mm;  ///< of P9 in the world; nothing: unknown
-  std::optional<double> heading_deg;  ///< about the world's Z; nothing: the place is unknown, or it hangs not upright
+  std::optional<double> heading_deg;  ///< about the world's Z; nothing: the place is unknown, or it leans or is rolled
 };
 
 /// As many pages as the list needs. The landmarks' own pages follow it in the order of the list, and the list counts

@@ -44,4 +44,10 @@ class LandmarkMap {
 /// Memory: none. Threads: pure.
 Transform<frame::World, frame::Landmark> place_upright(const Eigen::Vector3d& position_m, double heading_rad) noexcept;
 
+/// The heading of a sheet's X axis about the world's Z, -pi..pi [rad]: for one that hangs upright, that which
+/// place_upright was given. Memory: none. Threads: pure.
+double heading_rad(const Transform<frame::World, frame::Landmark>& place) noexcept;
+/// By how much it would have to be turned to hang upright with that heading, 0..pi [rad]. Memory: none. Threads: pure.
+double lean_rad(const Transform<frame::World, frame::Landmark>& place) noexcept;
+
 }  // namespace ninedot

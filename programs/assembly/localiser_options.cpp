@@ -11,14 +11,6 @@
 namespace ninedot {
 namespace {
 
-Transform<frame::World, frame::Landmark> place_of(const MapLandmarkConfig& landmark) {
-  if (!landmark.position_mm) return {};
-  const Eigen::Vector3d position_m = Eigen::Map<const Eigen::Vector3d>(landmark.position_mm->data()) * kMetresPerMm;
-  if (!landmark.orientation_wxyz) return place_upright(position_m, landmark.heading_deg * kRadPerDeg);
-  const auto& [w, x, y, z] = *landmark.orientation_wxyz;
-  return {Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix(), position_m};
-}
-
 MappedLandmark mapped(const MapLandmarkConfig& landmark) {
   MappedLandmark result{static_cast<std::uint16_t>(landmark.id), landmark.code, place_of(landmark),
                         landmark.position_mm.has_value()};
@@ -34,6 +26,14 @@ MappedLandmark mapped(const MapLandmarkConfig& landmark) {
 }
 
 }  // namespace
+
+Transform<frame::World, frame::Landmark> place_of(const MapLandmarkConfig& landmark) {
+  if (!landmark.position_mm) return {};
+  const Eigen::Vector3d position_m = Eigen::Map<const Eigen::Vector3d>(landmark.position_mm->data()) * kMetresPerMm;
+  if (!landmark.orientation_wxyz) return place_upright(position_m, landmark.heading_deg * kRadPerDeg);
+  const auto& [w, x, y, z] = *landmark.orientation_wxyz;
+  return {Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix(), position_m};
+}
 
 LandmarkMap landmark_map(const Config& config) {
   if (config.landmarks.empty()) return {};

@@ -9,9 +9,13 @@
 #include <vector>
 
 #include "base/startup_error.h"
+#include "base/units.h"
 #include "config/config_checks.h"
+#include "config/map_file.h"
 #include "programs/commands/commands.h"
+#include "programs/commands/pattern_choice.h"
 #include "world/landmark_codes.h"
+#include "world/landmark_map.h"
 
 namespace ninedot {
 namespace {
@@ -161,6 +165,31 @@ TEST_F(PatternCommandLine, RefusesWrongUsageAndWritesNothing) {
   EXPECT_THROW(run({"pattern"}), CLI::ParseError) << "--out is required";
   EXPECT_THROW(run({"pattern", "--out", "landmark.png"}), StartupError);
   EXPECT_FALSE(fs::exists(out_));
+}
+
+/// A map with one landmark, turned out of upright about an axis of its own, as `ninedot map` writes it.
+Config map_with(const Eigen::Vector3d& axis, double angle_deg) {
+  MappedLandmark landmark{1, std::string(*known_code(1)), place_upright({1, 2, 1.5}, 0.5), true};
+  landmark.T_world_landmark.rotation *= exp_so3(angle_deg * kRadPerDeg * axis);
+  ConfigProblems problems;
+  const std::string none;
+  Config config = read_config_text(format_map({&landmark, 1}, {}, {&none, 1}), "map", problems);
+  EXPECT_TRUE(problems.list.empty()) << problems.list.front().what;
+  return config;
+}
+
+TEST(LandmarksOfMap, AreTiltedWhereTheyLeanOrAreRolledAndNotForBeingWrittenAsAQuaternion) {
+  const auto heading = [](const Eigen::Vector3d& axis, double angle_deg) {
+    return landmarks_of_map(map_with(axis, angle_deg)).at(0).heading_deg;
+  };
+  const Eigen::Vector3d across = Eigen::Vector3d::UnitX(), ahead = Eigen::Vector3d::UnitY();
+  ASSERT_TRUE(heading(across, 0));
+  EXPECT_NEAR(*heading(across, 0), 0.5 * kDegPerRad, 1e-3);
+  EXPECT_TRUE(heading(across, -1));
+  EXPECT_TRUE(heading(ahead, 1)) << "by eye";
+  EXPECT_FALSE(heading(ahead, 15)) << "rolled in its own plane";
+  EXPECT_FALSE(heading(across, 15)) << "leans";
+  EXPECT_FALSE(heading(across, 90)) << "lies on a floor";
 }
 
 }  // namespace

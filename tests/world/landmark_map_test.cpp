@@ -20,6 +20,18 @@ TEST(LandmarkMap, TurnsTheSheetAboutTheWorldsZAndKeepsItUpright) {
   EXPECT_TRUE((T * Eigen::Vector3d(0, 0, 1)).isApprox(Eigen::Vector3d(1, 2, 4), 1e-12));
 }
 
+TEST(LandmarkMap, TellsByHowMuchASheetIsOutOfUpright) {
+  const Transform<frame::World, frame::Landmark> upright = place_upright({1, 2, 3}, -2.5);
+  EXPECT_NEAR(heading_rad(upright), -2.5, 1e-12);
+  EXPECT_NEAR(lean_rad(upright), 0, 1e-7);
+  for (const Eigen::Vector3d& axis : {Eigen::Vector3d::UnitX().eval(), Eigen::Vector3d::UnitY().eval()}) {
+    const Transform<frame::World, frame::Landmark> turned{upright.rotation * exp_so3(0.25 * axis),
+                                                          upright.translation_m};
+    EXPECT_NEAR(heading_rad(turned), -2.5, 1e-12) << axis.transpose();
+    EXPECT_NEAR(lean_rad(turned), 0.25, 1e-12) << axis.transpose();
+  }
+}
+
 TEST(LandmarkMap, IsOneBlackAndWhiteLandmarkAtTheOriginUnlessTold) {
   const LandmarkMap map;
   ASSERT_EQ(map.landmarks().size(), 1U);
