@@ -1,5 +1,8 @@
 #include "drivers/modbus/client.h"
 
+#include <netdb.h>
+#include <sys/socket.h>
+
 #include <cerrno>
 
 #include "base/contract.h"
@@ -17,6 +20,16 @@ tl::unexpected<Error> failure(int error) noexcept {
               error);
 }
 
+/// libmodbus looks the name up itself, and calls one that it does not find a refused connection.
+bool leads_to_an_address(const std::string& host, const std::string& port) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (::getaddrinfo(host.c_str(), port.c_str(), &hints, &found) != 0) return false;
+  ::freeaddrinfo(found);
+  return true;
+}
+
 }  // namespace
 
 void ModbusTcpClient::Close::operator()(modbus_t* connection) const noexcept {
@@ -26,7 +39,9 @@ void ModbusTcpClient::Close::operator()(modbus_t* connection) const noexcept {
 
 Result<ModbusTcpClient> ModbusTcpClient::connect(const std::string& host, std::uint16_t port,
                                                  std::chrono::milliseconds timeout) {
-  ModbusTcpClient client(modbus_new_tcp_pi(host.c_str(), std::to_string(port).c_str()));
+  const std::string service = std::to_string(port);
+  if (!leads_to_an_address(host, service)) return fail(Errc::kIo, "no address is known for this name");
+  ModbusTcpClient client(modbus_new_tcp_pi(host.c_str(), service.c_str()));
   modbus_t* const connection = client.connection_.get();
   if (connection == nullptr) return fail(Errc::kIo, "no Modbus connection", errno);
   const auto seconds = static_cast<std::uint32_t>(timeout.count() / 1000);

@@ -14,6 +14,7 @@
 #include "base/startup_error.h"
 #include "programs/commands/commands.h"
 #include "programs/commands/head_client.h"
+#include "programs/commands/named_option.h"
 
 namespace ninedot {
 namespace {
@@ -105,7 +106,7 @@ void add_aim_command(CLI::App& app) {
   command->add_option("--wait-s", arguments->wait_s, "how long the head may take; 0 = do not wait; default: 10")
       ->check(CLI::Range(0.0, 3600.0))
       ->check(refuse_nan);
-  command->add_option("--host", arguments->host, "the service's address; default: 127.0.0.1");
+  command->add_option("--host", arguments->host, "the service's address; default: 127.0.0.1")->check(is_named());
   command->add_option("--port", arguments->port, "its Modbus TCP port; default: 1502");
   command->callback([arguments] { run_aim(*arguments); });
 }

@@ -24,6 +24,10 @@ std::string with_cause(const Error& error) {
 
 ModbusTcpClient connect(const std::string& host, std::uint16_t port) {
   Result<ModbusTcpClient> client = ModbusTcpClient::connect(host, port, kPatience);
+  if (!client && client.error().os_errno == 0)
+    throw StartupError(ExitStatus::kWorkFailed,
+                       fmt::format("--host {}: {}: check it, or give the address in numbers, as 192.168.1.20", host,
+                                   client.error().text));
   if (!client)
     throw StartupError(
         ExitStatus::kWorkFailed,

@@ -10,6 +10,7 @@
 
 #include "drivers/posix/signals.h"
 #include "programs/commands/commands.h"
+#include "programs/commands/named_option.h"
 #include "programs/commands/service_client.h"
 #include "programs/display/live_display.h"
 #include "programs/display/status_view.h"
@@ -59,7 +60,7 @@ void run_status(const StatusArguments& arguments) {
 void add_status_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("status", "Show what a running service does: pose, rate, latency, health");
   const auto arguments = std::make_shared<StatusArguments>();
-  command->add_option("--host", arguments->host, "its address; default: 127.0.0.1");
+  command->add_option("--host", arguments->host, "its address; default: 127.0.0.1")->check(is_named());
   command->add_option("--port", arguments->port, "its Modbus TCP port; default: 1502");
   command->add_flag("--watch", arguments->watch, "go on until Ctrl-C, also when the service is restarted");
   command->add_flag("--json", arguments->json, "one JSON object on one line, with --watch one a second");

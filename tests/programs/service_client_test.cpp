@@ -11,6 +11,8 @@
 
 #include "base/startup_error.h"
 #include "drivers/posix/file_descriptor.h"
+#include "programs/commands/commands.h"
+#include "tests/programs/typed_command.h"
 
 namespace ninedot {
 namespace {
@@ -60,6 +62,26 @@ TEST(ServiceClient, SaysWhatIsWrongWithAnAnswerAndNothingElse) {
   using std::string_literals::operator""s;
   EXPECT_EQ(refusal_of("\0\1\0\0\0\5\xff\3\2\0\0"s), ": the server's answer is no valid Modbus reply");
   EXPECT_EQ(refusal_of("\0\1\0\0\0\3\xff\x83\4"s), ": the server refused the request with a Modbus exception");
+}
+
+TEST(ServiceClient, SaysThatAHostIsNotKnownAndNotThatItRefused) {
+  try {
+    const ServiceClient client("nowhere.invalid", 1502);
+    ADD_FAILURE() << "there is no such host";
+  } catch (const StartupError& error) {
+    EXPECT_STREQ(error.what(),
+                 "--host nowhere.invalid: no address is known for this name: check it, or give the address in numbers, "
+                 "as 192.168.1.20");
+  }
+}
+
+TEST(ServiceClient, IsNotAskedOfAHostWithoutAName) {
+  for (const auto& [add, command] : {std::pair{&add_status_command, "status"}, {&add_aim_command, "aim"}}) try {
+      test::type_command(add, {command, "--host", ""});
+      ADD_FAILURE() << command;
+    } catch (const CLI::ParseError& error) {
+      EXPECT_STREQ(error.what(), "--host: names nothing: give it a name, or leave it out");
+    }
 }
 
 }  // namespace
