@@ -49,14 +49,15 @@ void run_check(const std::string& path, bool file_only) {
   } else {
     check_as_the_service(config, problems, findings, camera);
   }
-  const std::vector<std::string> refused = problem_lines(findings, path);
+  const std::vector<std::string> refused = problem_lines(findings.problems(), path);
   if (refused.empty()) {
     fmt::print("{}: ok\n", path);
     print_summary(config, camera, findings.camera());
   } else if (!findings.camera().empty()) {
     fmt::print("  agreed    {}\n", findings.camera());
   }
-  for (const std::string& line : note_lines(findings, path)) fmt::print("{}\n", line);
+  for (const ConfigProblem& note : findings.notes())
+    fmt::print("{}\n", problem_text(path, {note.line, "note: " + note.what, note.file}));
   if (!refused.empty()) throw StartupErrors(refused);
 }
 

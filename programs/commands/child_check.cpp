@@ -29,8 +29,8 @@ std::string lines_of(const ConfigToCheck& subject, CheckDepth depth) {
     ConfigFindings findings(problems);
     std::optional<CameraModel> camera;
     check_as_the_service(config, problems, findings, camera);
-    for (const std::string& line : problem_lines(findings, subject.name)) add(kRefused, line);
-    for (const std::string& line : note_lines(findings, subject.name)) add(kNote, line);
+    for (const std::string& line : problem_lines(findings.problems(), subject.name)) add(kRefused, line);
+    for (const std::string& line : problem_lines(findings.notes(), subject.name)) add(kNote, line);
   }
   if (config.modbus_tcp.enabled) {
     add(kHost, address_from_here(config.modbus_tcp));

@@ -105,16 +105,9 @@ void check_as_the_service(const Config& config, const ConfigProblems& problems, 
   if (problems.can_be_read && !problems.is_in("camera")) check_devices(config, problems, camera, findings);
 }
 
-std::vector<std::string> problem_lines(const ConfigFindings& findings, const std::string& name) {
+std::vector<std::string> problem_lines(const std::vector<ConfigProblem>& problems, const std::string& name) {
   std::vector<std::string> lines;
-  for (const ConfigProblem& problem : findings.problems()) lines.push_back(problem_text(name, problem));
-  return lines;
-}
-
-std::vector<std::string> note_lines(const ConfigFindings& findings, const std::string& name) {
-  std::vector<std::string> lines;
-  for (const ConfigProblem& note : findings.notes())
-    lines.push_back(problem_text(name, {note.line, "note: " + note.what, {}}));
+  for (const ConfigProblem& problem : problems) lines.push_back(problem_text(name, problem));
   return lines;
 }
 

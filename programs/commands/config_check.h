@@ -17,8 +17,7 @@ namespace ninedot {
 void check_as_the_service(const Config& config, const ConfigProblems& problems, ConfigFindings& findings,
                           std::optional<CameraModel>& camera);
 
-/// Its problems as lines "NAME:LINE: what", or its notes as lines "NAME:LINE: note: what".
-std::vector<std::string> problem_lines(const ConfigFindings& findings, const std::string& name);
-std::vector<std::string> note_lines(const ConfigFindings& findings, const std::string& name);
+/// "NAME:LINE: what" of each: problems, or notes, which whoever shows them calls so.
+std::vector<std::string> problem_lines(const std::vector<ConfigProblem>& problems, const std::string& name);
 
 }  // namespace ninedot

@@ -76,6 +76,7 @@ class Apply(unittest.TestCase):
         self.new.write_text(config_text(port=port))
         done = self.apply()
         self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        self.assertNotRegex(done.stdout, "note:.*note:")
         phases = [line.split(":")[0] for line in done.stdout.splitlines()]
         self.assertEqual([phase for phase in phases if phase != "note"], ["checking", "replacing", "restarting", "watching", "up"])
         self.runs(port)
