@@ -51,8 +51,8 @@ Config read_config(std::string_view text, const std::string& name, const std::st
   Config config = read_config_text(text, name, problems);
   if (config.camera.source == "recording") make_absolute(config.camera.device, path);
   make_absolute(config.camera.calibration, path);
-  if (!map.empty()) config.map = map;
   make_absolute(config.map, path);
+  if (!map.empty()) config.map = map;
   for (std::string* named : {&config.tap.path, &config.web.token_file, &config.web.certificate, &config.web.key})
     make_absolute(*named, path);
   if (!config.map.empty() && config.landmarks.empty()) read_map(config, problems);

@@ -23,7 +23,8 @@ Config read_config(const std::string& path);
 Config read_config(const std::string& path, ConfigProblems& problems);
 
 /// The same of text that is to become the file `path`. \param name  how errors call it
-/// \param map  a file that is read in the place of the map's; empty: that one
+/// \param map  a file that is read in the place of the map's, as whoever names it sees it from where the program was
+/// started; empty: the map's
 /// Memory: in proportion to the text.
 Config read_config(std::string_view text, const std::string& name, const std::string& path, ConfigProblems& problems,
                    const std::string& map = {});

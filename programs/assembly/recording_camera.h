@@ -9,7 +9,8 @@
 namespace ninedot {
 
 /// \param file  what the command line names; empty: the recording's own camera.yaml, else the configuration's
-/// Throws StartupError(kWrongUsage): there is none, or it is damaged.
+/// Throws StartupError(kWrongUsage): there is none, it is damaged, or `file` is of another camera than the recording's
+/// own, where both name theirs.
 CameraCalibration recording_calibration(const std::string& recording, const std::string& file, const Config& config);
 
 /// The camera of it alone; of a zoom camera's the one at [pan_tilt] zoom. Throws likewise where that is not there.

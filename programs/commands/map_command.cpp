@@ -3,11 +3,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "base/startup_error.h"
@@ -39,6 +41,14 @@ struct MapArguments {
   bool with_dictionary = false;
 };
 
+/// It is an SVG whatever it is called, and under another name no program would show it, or a folder's only map be gone.
+void check_plan(const std::string& plan) {
+  std::error_code none;
+  if (plan.empty() || plan == "-" || std::filesystem::is_character_file(plan, none)) return;
+  if (std::filesystem::path(plan).extension() != ".svg")
+    throw StartupError(ExitStatus::kWrongUsage, fmt::format("--plan {}: end the file's name with .svg", plan));
+}
+
 /// Before the work. The map that the configuration names may be made again in its place.
 void check_map_files(const MapArguments& arguments, const Config& config) {
   for (const std::string& recording : arguments.recordings) check_recording(recording);
@@ -49,6 +59,7 @@ void check_map_files(const MapArguments& arguments, const Config& config) {
   inputs.insert(inputs.end(), arguments.recordings.begin(), arguments.recordings.end());
   inputs.push_back(arguments.config);
   check_outputs({{"--out", arguments.out}, {"--plan", arguments.plan}}, inputs);
+  check_plan(arguments.plan);
 }
 
 /// Where it is told how far the work is: a terminal, and another program, which may be gone.
@@ -196,8 +207,12 @@ void add_map_command(CLI::App& app) {
   command
       ->add_option(
           "--origin", arguments->origins,
-          "id of the landmark whose place is given: that of the configuration, or 0, 0, 0; may be given again for "
-          "others; measured: all places of the configuration that somebody measured; map: all that it has")
+          "what the map hangs on, for pictures tell only how landmarks lie to each other; without it there is no map. "
+          "An "
+          "id: that landmark keeps its place of the configuration, or is the world's origin where it has none; may be "
+          "given again, for others that have a place. measured: all landmarks of the configuration whose place was "
+          "surveyed, those with sigma_position_mm as well as that says; map: the same, with the places that an earlier "
+          "`ninedot map` found")
       ->allow_extra_args(false)
       ->required();
   command->add_flag("--new", arguments->with_dictionary,
@@ -206,7 +221,7 @@ void add_map_command(CLI::App& app) {
   command->add_option("--out", arguments->out, "file for the map, which the configuration's key 'map' may name")
       ->required()
       ->check(is_named());
-  command->add_option("--plan", arguments->plan, "SVG file: the map from above, with its uncertainties")
+  command->add_option("--plan", arguments->plan, "FILE.svg: the map from above, with its uncertainties")
       ->check(is_named());
   command
       ->add_option("--progress", arguments->progress,

@@ -3,10 +3,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <ctime>
+#include <limits>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "base/startup_error.h"
@@ -28,6 +32,20 @@ struct SimulateArguments {
   std::string scenario, out = "-", controller = "servoing";
   std::uint64_t seed = 1;
 };
+
+/// CLI11's own range is one of floating-point numbers, and tells its end with 309 digits.
+CLI::Validator is_seed() {
+  return CLI::Validator(
+      [](const std::string& word) {
+        std::uint64_t seed = 0;
+        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
+        return error == std::errc() && end == word.data() + word.size()
+                   ? std::string()
+                   : fmt::format("'{}' is no seed: give a whole number, 0 to {}", word,
+                                 std::numeric_limits<std::uint64_t>::max());
+      },
+      "");
+}
 
 /// For the line at the end.
 struct Summary {
@@ -100,7 +118,8 @@ void add_simulate_command(CLI::App& app) {
       ->required();
   command->add_option("--out", arguments->out, "CSV file, a row for each frame; default: - (standard output)")
       ->check(is_named());
-  command->add_option("--seed", arguments->seed, "of the camera's noise; default: 1")->check(CLI::NonNegativeNumber);
+  command->add_option("--seed", arguments->seed, "of the camera's noise: a whole number, not negative; default: 1")
+      ->check(is_seed());
   command->add_option("--controller", arguments->controller, "servoing (default), or pid: a plain one on pixels")
       ->check(CLI::IsMember({"servoing", "pid"}));
   command->callback([arguments] { run_simulate(*arguments); });

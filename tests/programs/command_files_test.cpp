@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/startup_error.h"
+#include "programs/assembly/input_files.h"
 #include "programs/commands/commands.h"
 #include "tests/programs/typed_command.h"
 #include "tests/recording/temporary_recording.h"
@@ -167,6 +168,62 @@ TEST_F(CommandFiles, ARecordingCountsOnceInAMap) {
   fs::create_directory_symlink(folder_.path(), in("again"));
   expect_usage(map({"--out", in("new.toml"), in("again")}), in("again") + " is given twice");
   expect_usage(map({"--out", in("new.toml"), "--origin", "1"}), "--origin 1: is named twice");
+}
+
+TEST_F(CommandFiles, AMapIsReadFromWhereWhoeverNamedItSeesIt) {
+  const fs::path here = fs::current_path();
+  fs::current_path(fs::path(folder_.path()).parent_path());
+  const std::string site = fs::path(folder_.path()).filename().string();
+  ConfigProblems problems;
+  const Config config = read_config("map = \"gone.toml\"\n", "new", site + "/c.toml", problems, site + "/hall.toml");
+  fs::current_path(here);
+  EXPECT_TRUE(problems.list.empty()) << problems.list.front().what;
+  EXPECT_EQ(config.landmarks.size(), 2U);
+}
+
+TEST_F(CommandFiles, APlanIsAnSvgByItsNameToo) {
+  for (const std::string name : {"plan.png", "plan", "svg", ".svg"})
+    expect_usage(map({"--out", in("new.toml"), "--plan", in(name)}),
+                 "--plan " + in(name) + ": end the file's name with .svg");
+  EXPECT_FALSE(fs::exists(in("plan.png")));
+  EXPECT_FALSE(fs::exists(in("new.toml")));
+}
+
+TEST_F(CommandFiles, ACalibrationOfAnotherCameraThanTheRecordingsIsRefused) {
+  const auto of_camera = [&](const std::string& name, const std::string& id) {
+    folder_.write(name, text_of("plain.yaml") + "calibration:\n  camera_id: \"" + id + "\"\n");
+  };
+  folder_.write("plain.yaml", text_of("other.yaml"));
+  const auto status = [&] {
+    return replay({folder_.path(), "--camera", in("other.yaml"), "--out", in("poses.csv")}).line;
+  };
+  of_camera("camera.yaml", "usb-046d:0825-1A2B3C");
+  of_camera("other.yaml", "usb-046d:0825-77");
+  expect_usage(map({"--out", in("new.toml"), "--camera", in("other.yaml")}),
+               "is of the camera usb-046d:0825-77, but " + in("camera.yaml") +
+                   " says that the recording is of usb-046d:0825-1A2B3C");
+  EXPECT_NE(status().find("is of the camera"), std::string::npos);
+  of_camera("other.yaml", "");
+  EXPECT_EQ(status().find("is of the camera"), std::string::npos) << "nobody knows";
+  of_camera("other.yaml", "usb-046d:0825");
+  EXPECT_EQ(status().find("is of the camera"), std::string::npos) << "a serial number that one of them lacks";
+  of_camera("other.yaml", "usb-046d:0825-77");
+  folder_.write("camera.yaml", "damaged");
+  EXPECT_EQ(status().find("is of the camera"), std::string::npos) << "that is why another is given";
+}
+
+TEST(SimulateCommand, TakesWholeNumbersAsSeeds) {
+  const auto refusal = [](const std::string& seed) -> std::string {
+    try {
+      return test::type_command(add_simulate_command, {"simulate", "/nowhere.toml", "--seed=" + seed}).line;
+    } catch (const CLI::ParseError& error) {
+      return error.what();
+    }
+  };
+  for (const std::string seed : {"-1", " -1", "1.5", "1x", "0x10", "18446744073709551616"})
+    EXPECT_EQ(refusal(seed), "--seed: '" + seed + "' is no seed: give a whole number, 0 to 18446744073709551615");
+  for (const std::string seed : {"0", "18446744073709551615"})
+    EXPECT_NE(refusal(seed).find("/nowhere.toml"), std::string::npos) << seed;
 }
 
 }  // namespace
