@@ -10,7 +10,7 @@
 
 namespace ninedot {
 
-/// Damerau's distance without transposed pairs counted twice: how many single-letter mistakes lead from `a` to `b` [1].
+/// Levenshtein's distance: how many letters are to be put in, left out or replaced to make `b` of `a` [1].
 inline std::size_t mistakes_between(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) before[j] = j;

@@ -207,12 +207,10 @@ void add_map_command(CLI::App& app) {
   command
       ->add_option(
           "--origin", arguments->origins,
-          "what the map hangs on, for pictures tell only how landmarks lie to each other; without it there is no map. "
-          "An "
-          "id: that landmark keeps its place of the configuration, or is the world's origin where it has none; may be "
-          "given again, for others that have a place. measured: all landmarks of the configuration whose place was "
-          "surveyed, those with sigma_position_mm as well as that says; map: the same, with the places that an earlier "
-          "`ninedot map` found")
+          "what the map hangs on, since pictures tell only how landmarks lie to each other. An id: that landmark keeps "
+          "its place of the configuration, or is the world's origin where it has none; may be given again, for others "
+          "that have a place. measured: all whose place was surveyed, as exactly as sigma_position_mm says. map: those "
+          "and the places that an earlier `ninedot map` found")
       ->allow_extra_args(false)
       ->required();
   command->add_flag("--new", arguments->with_dictionary,

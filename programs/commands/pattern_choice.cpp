@@ -37,8 +37,8 @@ std::optional<IdRange> parse_range(const std::string& word) {
   return range;
 }
 
-/// A sheet that a hand has hung upright, by eye or by the edge of a door, is out by 1 deg, seldom by 2, and a map made
-/// of pictures tells that as an orientation. Beyond this whoever hangs it by the list would hang it wrong.
+/// A sheet that somebody has hung by eye is out of upright by a degree or two, which a map made of pictures tells as an
+/// orientation. Whoever hangs one by the list that leans by more would hang it wrong.
 constexpr double kUpright_rad = 3 * kRadPerDeg;
 
 /// Nothing: it hangs not upright, or nobody knows where.
