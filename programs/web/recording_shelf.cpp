@@ -124,6 +124,7 @@ RecordingShelf::RecordingShelf(std::string folder) : folder_(std::move(folder)) 
     if (!is_recording_name(name)) continue;
     if (auto entry = entry_of(place)) add(std::move(*entry));
   }
+  std::ranges::sort(entries_, {}, &ShelfEntry::name);
 }
 
 std::uint64_t RecordingShelf::bytes() const noexcept {
@@ -133,26 +134,25 @@ std::uint64_t RecordingShelf::bytes() const noexcept {
 }
 
 std::string RecordingShelf::free_name(RecordingCause cause) const {
-  // Names sort by age, but not after a clock that was put back by more than this.
+  // Names sort by age, but not after a clock that was put back by more than this: then any will do.
   constexpr int kMostSeconds = 60;
   const auto now = std::chrono::system_clock::now();
   const auto is_older = [&](const ShelfEntry& entry, const std::string& name) {
     return cause_of(entry.name) != cause || entry.name < name;
   };
-  for (int seconds = 0;; ++seconds) {
-    std::string name = recording_name(now + std::chrono::seconds(seconds % kMostSeconds), cause);
-    const bool is_newest =
-        std::all_of(entries_.begin(), entries_.end(), [&](const auto& e) { return is_older(e, name); });
+  std::string free;
+  // A machine without a clock begins in the same minute each time: there is no end to the names that it may have used.
+  for (int seconds = 0; free.empty() || seconds < kMostSeconds; ++seconds) {
+    std::string name = recording_name(now + std::chrono::seconds(seconds), cause);
     std::error_code error;
-    if ((is_newest || seconds >= kMostSeconds) && !fs::exists(path_of(name), error)) return name;
+    if (fs::exists(path_of(name), error)) continue;
+    if (std::ranges::all_of(entries_, [&](const ShelfEntry& entry) { return is_older(entry, name); })) return name;
+    if (free.empty()) free = std::move(name);
   }
+  return free;
 }
 
-void RecordingShelf::add(ShelfEntry entry) {
-  const auto place = std::lower_bound(entries_.begin(), entries_.end(), entry,
-                                      [](const ShelfEntry& a, const ShelfEntry& b) { return a.name < b.name; });
-  entries_.insert(place, std::move(entry));
-}
+void RecordingShelf::add(ShelfEntry entry) { entries_.push_back(std::move(entry)); }
 
 bool RecordingShelf::remove(std::string_view name) {
   const auto entry =

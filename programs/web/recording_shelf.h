@@ -44,7 +44,7 @@ class RecordingShelf {
   std::string path_of(std::string_view name) const { return folder_ + "/" + std::string(name); }
   /// A name that no recording has, of now or of the next second in which it is free and the newest.
   std::string free_name(RecordingCause cause) const;
-  /// What has been recorded under a free name.
+  /// What has been recorded under a free name: the newest, whatever the clock has done meanwhile.
   void add(ShelfEntry entry);
   /// From the list at once, from the disk before it returns. \return  false: there is none of this name
   bool remove(std::string_view name);
@@ -56,7 +56,7 @@ class RecordingShelf {
  private:
   std::string folder_;
   FileDescriptor lock_;
-  std::vector<ShelfEntry> entries_;  // by name, which is by age
+  std::vector<ShelfEntry> entries_;  // by age: as they were added, before them by name what was there at the start
 };
 
 }  // namespace ninedot

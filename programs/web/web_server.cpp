@@ -94,8 +94,14 @@ void forget_log(void* /*self*/, const char* /*format*/, va_list /*arguments*/) {
 /// No path or argument of ours has any: what comes with some is another one, %00 and %2F included.
 std::size_t leave_escapes(void* /*self*/, MHD_Connection* /*connection*/, char* text) { return std::strlen(text); }
 
+/// Empty where none is named, and nowhere else: whoever names a key has the page served by TLS, or not at all.
 std::string pem_text(const std::string& file) {
-  return file.empty() ? std::string() : read_text_file(file, kMaxPem_bytes);
+  if (file.empty()) return {};
+  std::string text = read_text_file(file, kMaxPem_bytes);
+  if (text.empty())
+    throw StartupError(ExitStatus::kWrongUsage,
+                       fmt::format("{}: is empty: write the certificate or the key into it, in PEM form", file));
+  return text;
 }
 
 void refuse_open_key(const std::string& file) {

@@ -150,6 +150,10 @@ test("a token that others may read, a public address without one: refused before
   fs.writeFileSync(open, `${TOKEN}\n`, { mode: 0o644 });
   assert.match(refused(`token_file = "${open}"\n`), /chmod 600/);
   assert.match(refused(`certificate = "${open}"\n`), /both 'certificate' and 'key'/);
+  // Else the token would cross the network in the clear, under an address that says https.
+  const empty = path.join(path.dirname(tokenFile), "empty.pem");
+  fs.writeFileSync(empty, "", { mode: 0o600 });
+  assert.match(refused(`certificate = "${open}"\nkey = "${empty}"\n`), /empty\.pem: is empty/);
 });
 
 test("slow heads are closed after ten seconds, though a byte comes each second", async () => {

@@ -139,6 +139,31 @@ TEST(RecordingShelf, GivesNoNameTwice) {
   EXPECT_NE(shelf.free_name(RecordingCause::kAsked), first);
 }
 
+TEST(RecordingShelf, GivesANameToAMachineWithoutAClockThatHasBegunOften) {
+  const MemoryFolder folder;
+  const RecordingShelf shelf(folder.path());
+  const auto now = std::chrono::system_clock::now();
+  for (int second = -2; second < 100; ++second)
+    fs::create_directory(shelf.path_of(recording_name(now + std::chrono::seconds(second), RecordingCause::kLoss)));
+  const std::string name = shelf.free_name(RecordingCause::kLoss);
+  EXPECT_TRUE(is_recording_name(name)) << name;
+  EXPECT_FALSE(fs::exists(shelf.path_of(name))) << name;
+}
+
+TEST(RecordingShelf, TakesAwayWhatIsOldestAlsoAfterTheClockWasPutBack) {
+  const MemoryFolder folder;
+  const std::string before = "20351123-121415-loss", after = "20260101-000000-loss";
+  record(folder.path() + "/" + before, 1, true);
+  RecordingShelf shelf(folder.path());
+  record(folder.path() + "/" + after, 1, true);
+  ShelfEntry made;
+  made.name = after;
+  shelf.add(made);
+  EXPECT_TRUE(shelf.remove_oldest_loss());
+  ASSERT_EQ(shelf.entries().size(), 1U);
+  EXPECT_EQ(shelf.entries()[0].name, after);
+}
+
 TEST(RecordingShelf, DeletesOfTheListAndOfTheDisk) {
   const MemoryFolder folder;
   record(folder.path() + "/" + kName, 2, true);
