@@ -95,7 +95,7 @@ class Apply {
     if (place.config_text.empty()) {
       ConfigChange change(place.path);
       if (!is_new(change, text)) return;
-      const FileOnTrial file(place.path + ".new", text, place.path);
+      const FileOnTrial file(free_name_beside(place.path), text, place.path);
       ConfigToCheck subject{config, arguments_.config, arguments_.config, {}};
       (which == NamedFile::kMap ? subject.map : subject.calibration) = file.path();
       const CheckedConfig checked = check(subject);

@@ -59,6 +59,14 @@ FilePlace place_for(NamedFile file, const std::string& config_text, const std::s
   return {path, with_keys(config_text, std::array{KeyText{"camera", "calibration", value}}, config_path)};
 }
 
+std::string free_name_beside(const std::string& file) {
+  std::string name = file + ".new";
+  std::error_code error;
+  for (int number = 2; fs::exists(fs::symlink_status(name, error)); ++number)
+    name = fmt::format("{}.new{}", file, number);
+  return name;
+}
+
 FileOnTrial::FileOnTrial(std::string path, std::string_view text, const std::string& like) : path_(std::move(path)) {
   const auto written = [&]() -> Result<std::size_t> {
     NINEDOT_TRY(FileReplacement file, FileReplacement::begin(path_));

@@ -21,6 +21,10 @@ struct FilePlace {
 /// it does not name. Memory: the text twice. Threads: one.
 FilePlace place_for(NamedFile file, const std::string& config_text, const std::string& config_path);
 
+/// FILE.new, or the first of FILE.new2, FILE.new3 .. that there is not: somebody may keep a file of his own there.
+/// Threads: one; waits for the disk.
+std::string free_name_beside(const std::string& file);
+
 /// A file where the service's user may read it, which goes with this object unless it is kept.
 /// Threads: one; waits for the disk.
 class FileOnTrial {

@@ -300,13 +300,16 @@ class Apply(unittest.TestCase):
 
     def test_a_calibration_that_is_none_or_of_another_camera_is_refused(self):
         self.with_calibration()
+        own = self.folder / "lens.yaml.new"
+        own.write_text("somebody's own")
         for text in ("no calibration\n", self.LENS.replace("640", "320").replace("480", "240"), "%YAML:1.0\n---\n"):
             self.new.write_text(text)
             done = self.apply(self.new, "--calibration")
             self.assertEqual(done.returncode, 2, done.stdout)
-            self.assertIn("lens.yaml.new", done.stderr)
+            self.assertIn("lens.yaml.new2", done.stderr)
             self.assertEqual(self.lens.read_text(), self.LENS)
-            self.assertFalse((self.folder / "lens.yaml.new").exists())
+            self.assertEqual(own.read_text(), "somebody's own")
+            self.assertFalse((self.folder / "lens.yaml.new2").exists())
             self.assert_as_it_was(restarts=2)
 
     def test_a_first_calibration_is_named_as_well(self):

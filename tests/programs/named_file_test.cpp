@@ -53,6 +53,13 @@ TEST_F(ANamedFile, GoesWhereTheConfigurationHasIt) {
   EXPECT_EQ(place.config_text, "");
 }
 
+TEST_F(ANamedFile, IsTriedUnderANameThatNothingHas) {
+  EXPECT_EQ(free_name_beside(beside_), beside_ + ".new");
+  write(beside_ + ".new", "somebody's own");
+  fs::create_symlink("nowhere", beside_ + ".new2");
+  EXPECT_EQ(free_name_beside(beside_), beside_ + ".new3");
+}
+
 TEST_F(ANamedFile, IsNamedWhereNoneWasAndNothingElseIsTouched) {
   const FilePlace place = place_for(NamedFile::kCalibration,
                                     "# a sensor\n\n [camera]   # the left one\nsource = \"v4l2\"\n[track]\n", config_);
