@@ -417,14 +417,16 @@ TEST(SmearedView, OneLandmarkAloneIsFittedAsALineAsWell) {
 }
 
 /// Where a fit went astray its mirror image may be found to be the better one: then that one's own is the other reading
-/// of the picture. More rooms: NINEDOT_SMEARED_ROOMS, three by default.
+/// of the picture. And by the lines of a wrong pose the right one is excluded at a glance (the last of the rooms). More
+/// rooms: NINEDOT_SMEARED_ROOMS, four by default.
 TEST(SmearedView, OneLandmarkAloneIsNotTakenForItsMirrorImage) {
   if (test::kSanitized) return;
   const char* const asked = std::getenv("NINEDOT_SMEARED_ROOMS");
-  const unsigned rooms = asked != nullptr ? static_cast<unsigned>(std::max(std::atoi(asked), 1)) : 3;
+  const unsigned rooms = asked != nullptr ? static_cast<unsigned>(std::max(std::atoi(asked), 1)) : 4;
   int valid = 0, beyond_6_sigma = 0;
   double squares = 0;
-  for (unsigned seed = 4; seed < 4 + rooms; ++seed) {
+  for (unsigned room = 0; room < rooms; ++room) {
+    const unsigned seed = room == 3 ? 90 : 4 + room;
     std::mt19937 random(seed);
     const auto about = [&](double middle, double up_to) {
       return std::uniform_real_distribution(middle - up_to, middle + up_to)(random);
