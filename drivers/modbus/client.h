@@ -16,7 +16,8 @@ namespace ninedot {
 class ModbusTcpClient {
  public:
   /// \param timeout  of the connection and of each reply
-  /// \error kIo: nobody answers there; os_errno says why.
+  /// \error kIo: nobody answers there, os_errno says why; 0: no address is known for the name. Waits for the name's
+  /// look-up, for which the system has a time of its own.
   static Result<ModbusTcpClient> connect(const std::string& host, std::uint16_t port,
                                          std::chrono::milliseconds timeout);
 
